@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.identification.fitting import OTHER_FREQUENCY
-from suspid.identification.noise import LOUD, over_channels, power_near
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added
@@ -78,10 +77,7 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
 
 def _sticks(bent: Bent) -> bool:
     """Return whether a fit with forces has friction among them, or leaves more than noise near a mode."""
-    fit = bent.fit
-    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
-    beside = over_channels(power_near(fit.residual, fit.variance, fit.drive.theta), weights)
-    return any(force.kind is ForceKind.FRICTION for force in bent.forces) or bool(np.any(beside > LOUD))
+    return any(force.kind is ForceKind.FRICTION for force in bent.forces) or misses(bent.fit)
 
 
 def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:

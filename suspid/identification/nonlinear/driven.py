@@ -95,9 +95,14 @@ class DrivenFit:
     residual: RealArray  # (channel, sample)
 
     @property
+    def theta(self) -> ComplexArray:
+        """Exponents per sample, (pole,)."""
+        return self.drive.theta
+
+    @property
     def amplitudes(self) -> ComplexArray:
         """Complex amplitudes of the states, (pole, channel)."""
-        poles = len(self.drive.theta)
+        poles = len(self.theta)
         return np.asarray(self.coefficients[:poles] - 1j * self.coefficients[poles : 2 * poles])
 
     @cached_property

@@ -6,13 +6,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from suspid.identification.classification import LEAST_EXPLAINED, is_tone
+from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.harmonics import WEAK
-from suspid.identification.likelihood import DecayFit, bic_penalty
-from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_near
-from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, window_changes
+from suspid.identification.likelihood import DecayFit
+from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
@@ -26,10 +24,9 @@ from suspid.identification.nonlinear.feedback import (
     with_forces,
     without_forces,
 )
-from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
+from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.signs import distorted
-from suspid.identification.nonlinear.swings import swings_of
-from suspid.identification.refinement import WORTHWHILE
+from suspid.identification.nonlinear.standing import driven_stands, energies
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
 
@@ -156,38 +153,8 @@ def _record(values: RealArray, noise: WhiteNoise, linear: DecayFit) -> Record:
 
 
 def _significant(bent: Bent | None) -> Bent | None:
-    """Return what was found if every mode is one (see `_stands`), else None."""
-    return bent if bent is not None and np.all(_stands(bent.fit)) else None
-
-
-def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
-    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,).
-
-    A steady tone does not decay.
-    """
-    energy = _energies(fit)
-    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
-    beside = over_channels(power_near(fit.residual, fit.variance, fit.drive.theta), weights)
-    beside = np.where(beside > LOUD, beside, 1.0)
-    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * beside
-    means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
-    theta, covariance = np.array([each for each, _ in means]), covariance_of(fit)
-    spread = np.sqrt([np.trace(slopes @ covariance @ slopes.T) for _, slopes in means] * beside)
-    # Nothing can be known of what turns faster than the samples.
-    visible = (theta.imag > 0) & (np.abs(theta) < np.pi)
-    if not np.all(visible):
-        return np.asarray(visible)
-    spread = np.maximum(spread, [np.max(np.abs(window_changes(fit, k, each))) for k, each in enumerate(theta)])
-    turns = np.array([swings_of(fit, k) is not None for k in range(len(theta))])
-    rates = np.sqrt([(slopes @ covariance @ slopes.T)[0, 0] for _, slopes in means] * beside)
-    tones = [is_tone(-each.real, std, fit.residual.shape[1]) for each, std in zip(theta, rates, strict=True)]
-    return np.asarray((energy > needed) & ~np.array(tones) & turns & (spread < UNKNOWN * np.abs(theta)))
-
-
-def _energies(fit: DrivenFit) -> RealArray:
-    """Return the energy of each pole's motion over the variance of the residual, (pole,)."""
-    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
-    return np.asarray(energy * np.sum(np.abs(fit.states) ** 2, axis=1) / 2)
+    """Return what was found if every mode is one (see `driven_stands`), else None."""
+    return bent if bent is not None and np.all(driven_stands(bent.fit)) else None
 
 
 def _at_full_length(record: Record, found: Bent, factor: int) -> Bent | None:
@@ -235,10 +202,10 @@ def _grown(record: Record, plain: DrivenFit, more: DrivenFit | None, modes: int 
     fall = 1.0 if more is not None and not _own(more) else LEAST_FALL
     found = with_forces(record, plain, least_fall=fall)
     while len(found.fit.drive.theta) > 1:
-        stands = _stands(found.fit)
+        stands = driven_stands(found.fit)
         if found.forces and np.all(stands):
             break
-        weakest = plain.drive.without_pole(int(np.argmin(stands if found.forces else _energies(plain))))
+        weakest = plain.drive.without_pole(int(np.argmin(stands if found.forces else energies(plain, plain.states))))
         fewer = maximize(record.values, weakest, record.noise, steps=ROUGH_STEPS)
         less = None if fewer is None else with_forces(record, fewer, least_fall=fall)
         if fewer is None or less is None or not (found.forces or less.fit.bic < found.fit.bic):

@@ -1,4 +1,4 @@
-"""What a structure explains: what it leaves near its modes, which modes stand, and what each force is worth."""
+"""What a fit explains: what it leaves near its modes, which modes stand, and what each force is worth."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from numpy.typing import NDArray
 from suspid.identification.classification import is_tone
 from suspid.identification.likelihood import bic_penalty
 from suspid.identification.noise import LOUD, over_channels, power_near
+from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, window_changes
+from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.linearised import slopes_of
 from suspid.identification.nonlinear.own import UNKNOWN
 from suspid.identification.nonlinear.structure import StructureFit
+from suspid.identification.nonlinear.swings import swings_of
 from suspid.identification.refinement import WORTHWHILE
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 
 
 def explains(fit: StructureFit, highest: float) -> bool:
@@ -20,12 +23,12 @@ def explains(fit: StructureFit, highest: float) -> bool:
     return fit.bic < highest and not misses(fit)
 
 
-def misses(fit: StructureFit) -> bool:
+def misses(fit: StructureFit | DrivenFit) -> bool:
     """Return whether more than noise is left near a mode."""
     return bool(np.any(beside(fit) > LOUD))
 
 
-def beside(fit: StructureFit) -> RealArray:
+def beside(fit: StructureFit | DrivenFit) -> RealArray:
     """Return the power of the residual near each pole over that of white noise, (pole,)."""
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
     return over_channels(power_near(fit.residual, fit.variance, fit.theta), weights)
@@ -40,17 +43,52 @@ def stands(fit: StructureFit) -> NDArray[np.bool_]:
     covariance = fit.covariance
     if not np.all(np.isfinite(theta)):
         return np.isfinite(theta)
-    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
-    energy = energy * np.sum(np.abs(fit.motion.states[0]) ** 2, axis=1) / 2
-    left = beside(fit)
-    left = np.where(left > LOUD, left, 1.0)
-    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * left
+    left = _excess(fit)
     variances = np.diag(slopes @ covariance @ slopes.T).reshape(-1, 2) * left[:, None]
     count = fit.residual.shape[1]
     tones = [is_tone(-each.real, float(np.sqrt(v[0])), count) for each, v in zip(theta, variances, strict=True)]
     known = np.sqrt(np.sum(variances, axis=1)) < UNKNOWN * np.abs(theta)
     turns = (theta.imag * count > 2 * np.pi) & (np.abs(theta) < np.pi)
-    return np.asarray((energy > needed) & ~np.array(tones) & known & turns)
+    return np.asarray(_worthwhile(fit, fit.motion.states[0], left) & ~np.array(tones) & known & turns)
+
+
+def driven_stands(fit: DrivenFit) -> NDArray[np.bool_]:
+    """Return the same of a fit with forces as they follow from the motion that was measured, (pole,).
+
+    A cycle is one between its turns.
+    """
+    left = _excess(fit)
+    means = [mean_pole(fit, k) for k in range(len(fit.theta))]
+    theta, covariance = np.array([each for each, _ in means]), covariance_of(fit)
+    spread = np.sqrt([np.trace(slopes @ covariance @ slopes.T) for _, slopes in means] * left)
+    # Nothing can be known of what turns faster than the samples.
+    visible = (theta.imag > 0) & (np.abs(theta) < np.pi)
+    if not np.all(visible):
+        return np.asarray(visible)
+    spread = np.maximum(spread, [np.max(np.abs(window_changes(fit, k, each))) for k, each in enumerate(theta)])
+    turns = np.array([swings_of(fit, k) is not None for k in range(len(theta))])
+    rates = np.sqrt([(slopes @ covariance @ slopes.T)[0, 0] for _, slopes in means] * left)
+    tones = [is_tone(-each.real, std, fit.residual.shape[1]) for each, std in zip(theta, rates, strict=True)]
+    known = spread < UNKNOWN * np.abs(theta)
+    return np.asarray(_worthwhile(fit, fit.states, left) & ~np.array(tones) & turns & known)
+
+
+def energies(fit: StructureFit | DrivenFit, states: ComplexArray) -> RealArray:
+    """Return the energy of each pole's motion over the variance of the residual, (pole,)."""
+    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
+    return np.asarray(energy * np.sum(np.abs(states) ** 2, axis=1) / 2)
+
+
+def _excess(fit: StructureFit | DrivenFit) -> RealArray:
+    """Return the power of the residual near each pole over that of white noise; 1 where that may be chance, (pole,)."""
+    left = beside(fit)
+    return np.where(left > LOUD, left, 1.0)
+
+
+def _worthwhile(fit: StructureFit | DrivenFit, states: ComplexArray, left: RealArray) -> NDArray[np.bool_]:
+    """Return whether each pole stands out of the residual near it, (pole,)."""
+    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * left
+    return np.asarray(energies(fit, states) > needed)
 
 
 def worths_of(fit: StructureFit) -> RealArray:
