@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 # Largest distance of a time stamp from the uniform grid, in sampling steps. At the highest frequency of use, a tenth
 # of the rate, it moves a sample by 0.6 % of the amplitude.
 JITTER = 0.01
+# Share of the sampling rate up to which filters against aliases let a motion pass: those of loggers end there.
+PASSED = 0.4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -23,9 +23,6 @@ from suspid.values import nearest_names
 from suspid.words import Level, Number, Remark
 from suspid.words.limits import LimitReason, LimitState
 
-# A mode that is meant by its frequency lies within this factor of it: an octave.
-OCTAVE = 2.0
-
 
 @explained
 def check_limits(
@@ -157,8 +154,9 @@ def _mode_meant(limit: Limit, modes: ModalSet) -> int | None:
     """Return which mode a limit means, from 0 on."""
     if limit.near is None:
         return int(limit.of) - 1 if int(limit.of) <= len(modes) else None
+    # A mode that is meant by its frequency lies within an octave of it.
     far = np.abs(np.log(np.maximum(modes.wn, 1e-300) / (2 * np.pi * limit.near)))
-    return int(np.argmin(far)) if len(modes) and np.min(far) <= np.log(OCTAVE) else None
+    return int(np.argmin(far)) if len(modes) and np.min(far) <= np.log(2) else None
 
 
 def _of_strut(limit: Limit, springs: Estimate | Reconstruction | None, level: Ratio) -> CheckedLimit:

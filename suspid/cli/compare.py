@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from suspid.model import Comparison
     from suspid.performance import Grip, WearRule
 
-# Inches of a picture that needs no whole page.
-HALF_PAGE = (8.27, 5.8)
 # What files hold by the start of their format; all others are read as modes.
 HELD_BY_FORMAT = {
     "suspid estimate": "an estimate",
@@ -119,7 +117,8 @@ def compare_command(
                 )
             text, content = _modes(before[0], after)
             if figure_draft:
-                save_picture(partial(_draw_modes, before[0], after), figure_draft, size=HALF_PAGE)
+                # Half a page [inch].
+                save_picture(partial(_draw_modes, before[0], after), figure_draft, size=(8.27, 5.8))
         if json_draft:
             json_draft.write_text(to_json(content), encoding="utf-8")
     say(text)

@@ -38,7 +38,6 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 
 # How long a process may take beyond its own limits, on a machine that is busy with other things.
 LATE_ANSWER: Second = 10.0
-PARENT_DEATH_SIGNAL = 1  # number of the request to Linux that a process be killed when its parent ends
 
 Process: TypeAlias = "subprocess.Popen[bytes]"
 
@@ -252,7 +251,8 @@ def _end_with(parent: int) -> None:
     if sys.platform == "linux":
         # The thread below cannot run where native code holds the interpreter; the system can.
         with suppress(OSError, AttributeError):
-            ctypes.CDLL(None).prctl(PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
+            # 1 is the request that a process be killed when its parent ends.
+            ctypes.CDLL(None).prctl(1, int(signal.SIGKILL))
     if sys.platform != "win32":
         threading.Thread(target=watch, daemon=True).start()
 

@@ -13,6 +13,7 @@ from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.shaken import Shaken
 from suspid.greybox.speeds import Going, Way, going
 from suspid.recordings import RawChannel
+from suspid.signals import PASSED
 from suspid.units import Flags, RealArray, Second
 from suspid.words.drives import DriveReason
 
@@ -116,7 +117,7 @@ def vibration(values: RealArray, step: Second, order: int, size: int, limits: Dr
         about = np.where(missing, np.nansum(about, axis=1, keepdims=True) / number, about)
     window = np.hanning(wide + 2)[1:-1]
     hertz = np.fft.rfftfreq(wide, step)
-    inside = (hertz >= limits.band_hz[0]) & (hertz <= min(limits.band_hz[1], 0.4 / step))
+    inside = (hertz >= limits.band_hz[0]) & (hertz <= min(limits.band_hz[1], PASSED / step))
     lines = np.fft.rfft((about - np.mean(about, axis=1, keepdims=True)) * window, axis=1)[:, inside]
     lines = lines * (2 * np.pi * hertz[inside]) ** (2 - order)
     power = 2 * step * np.abs(lines) ** 2 / np.sum(window**2)

@@ -19,8 +19,9 @@ from suspid.units import ComplexArray, RealArray, Second
 
 # Neighbouring lines of a Hann window, and stretches that overlap by half, are not independent: this share of them is.
 INDEPENDENT_LINES = 0.8 / 1.5
-# Probability below which a residual follows the motion: one false alarm in a hundred curves.
-FOLLOWS_LEVEL = 0.01
+# Level of the tests whether a damper is viscous, and whether a residual follows the motion: one false alarm in a
+# hundred curves.
+CURVE_LEVEL = 0.01
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,7 +33,7 @@ class Following:
     pushed: bool = False  # whether a force of its own pushes the body where that moves the strut, or everywhere
 
     def __bool__(self) -> bool:
-        return self.p_value < FOLLOWS_LEVEL
+        return self.p_value < CURVE_LEVEL
 
 
 def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[Drawn]) -> Following:

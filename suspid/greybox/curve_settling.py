@@ -17,7 +17,8 @@ from suspid.units import MetrePerSecond2
 # How often noise and curve are found in turn. After one round the noise of the motion is at its least value in half of
 # the drives of a half car whose sensors are equally noisy, and chi-square is too large by 70 %; after three by 12 %.
 CURVE_ROUNDS = 3
-# Noise of the motion where more than that is taken for a force on the body: that of a good accelerometer.
+# Noise of a good accelerometer, from which a fit begins. Where what is left is taken for a force on the body, the noise
+# of the motion is at most that.
 QUIET: MetrePerSecond2 = 0.05
 # Up to this multiple of the frequency of the body on the strut, a force on the body moves the strut: by a third of what
 # it does at rest, or more.

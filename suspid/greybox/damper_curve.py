@@ -12,9 +12,9 @@ from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_checks import checks_of
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
-from suspid.greybox.curve_following import Following
+from suspid.greybox.curve_following import CURVE_LEVEL, Following
 from suspid.greybox.curve_noise import Residual, drawn_noises, misfit_of, noise_of, probes, residual_of
-from suspid.greybox.curve_settling import is_lost, of_both_readings, settled
+from suspid.greybox.curve_settling import QUIET, is_lost, of_both_readings, settled
 from suspid.greybox.curve_travel import travel_fit
 from suspid.greybox.damper_curves import DamperCurve
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, bend_covariance, placed_nodes
@@ -30,10 +30,6 @@ from suspid.values import frozen_real
 from suspid.words import Remark, Verdict
 from suspid.words.dampers import CurveHeadline
 
-# Noise of an accelerometer to begin with [m/s2]; what a fit leaves corrects it.
-FIRST_NOISE = 0.05
-# Level of the test whether a damper is viscous: one false alarm in a hundred.
-VISCOUS_LEVEL = 0.01
 # First node, in changes of velocity within the time constant of the filter.
 FIRST_NODE = 1.5
 # More nodes may not be asked for: the time grows with their square, and each needs samples.
@@ -50,7 +46,7 @@ def damper_curve(
     given: Sequence[str] | None = None,
     friction: bool = True,
     nodes: int | None = None,
-    level: Ratio = VISCOUS_LEVEL,
+    level: Ratio = CURVE_LEVEL,
 ) -> DamperCurve:
     """Find the force of a damper over its velocity, its friction and the stiffness of the parallel spring.
 
@@ -169,7 +165,7 @@ def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] 
 
 def _first_noise(motions: Sequence[StrutMotion]) -> Noise:
     one = motions[0]
-    return Noise(force=FIRST_NOISE / max(abs(one.share), 1e-12), motion=FIRST_NOISE)
+    return Noise(force=QUIET / max(abs(one.share), 1e-12), motion=QUIET)
 
 
 def _shape(motions: Sequence[StrutMotion], velocity: RealArray, nodes: int | None, friction: bool) -> Shape:

@@ -11,12 +11,12 @@ import numpy as np
 from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import label
-from suspid.greybox.spectra import HIGHEST_SHARE
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_problem import band_of, by_logger, wheel_problem
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
+from suspid.signals import PASSED
 from suspid.units import Hertz, Ratio, Second
 
 # Agreement of the nominal car with a record at some lag, over that at any other, from which the lag is believed: a
@@ -74,7 +74,7 @@ def _lag(car: Suspension, trial: Trial, delays: Sequence[str] | None, band: tupl
     trial = trial.first(round(LOOKED_THROUGH / trial.step))
     # With as many zeros behind the record, its end does not meet its beginning.
     f = np.fft.rfftfreq(2 * trial.count, trial.step)
-    inside = (f >= low) & (f <= min(high, HIGHEST_SHARE / trial.step))
+    inside = (f >= low) & (f <= min(high, PASSED / trial.step))
     lines = np.fft.rfft(trial.values - trial.values.mean(axis=1, keepdims=True), 2 * trial.count)[:, inside]
     shown = _nominal(car, trial, layout, np.asarray(2j * np.pi * f[inside], complex), lines)
     both = np.zeros((len(outputs), len(f)), complex)

@@ -9,9 +9,9 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.greybox.trials import Trial
+from suspid.signals import PASSED
 from suspid.units import ComplexArray, Hertz, RealArray, Second
 
-HIGHEST_SHARE = 0.4  # of the rate, up to which lines are used: loggers' filters end there
 FEWEST_LINES = 16  # in the band: fewer do not tell a resonance from noise
 
 
@@ -42,7 +42,7 @@ def spectra_of(trials: Sequence[Trial], *, length: Second, band: tuple[Hertz, He
     else:
         samples = min(shortest, round(length / step))
     hertz = np.fft.rfftfreq(samples, step)
-    inside = (hertz >= band[0]) & (hertz <= min(band[1], HIGHEST_SHARE / step))
+    inside = (hertz >= band[0]) & (hertz <= min(band[1], PASSED / step))
     if np.sum(inside) < FEWEST_LINES:
         raise RecordError(
             f"the record has {np.sum(inside)} spectral lines between {band[0]:.3g} and {band[1]:.3g} Hz; at least "

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels, covariance_of
-from suspid.greybox.spectra import HIGHEST_SHARE
 from suspid.greybox.transfers import transfer
 from suspid.greybox.trials import Trial
+from suspid.signals import PASSED
 from suspid.units import Hertz, RealArray
 
 TAPER_BANDWIDTH = 2.0  # half bandwidth of the tapers, in lines
@@ -79,7 +79,7 @@ def tracks_of(
     tapers = dpss(samples, TAPER_BANDWIDTH, TAPERS)
     spacing = 1 / (samples * trial.step)
     first = max(1, int(np.ceil(band[0] / spacing)))
-    lines = np.arange(first, int(min(band[1], HIGHEST_SHARE / trial.step) / spacing) + 1)
+    lines = np.arange(first, int(min(band[1], PASSED / trial.step) / spacing) + 1)
     made = transfer(
         layout, np.asarray(2j * np.pi * spacing * lines, complex), problem.physics(z, number), problem.unknowns.rows,
         mounts=problem.extras.mounts, gains=source.gains, delays=source.delays,

@@ -30,7 +30,7 @@ from suspid.identification.parts import residual_of_part
 from suspid.identification.pulses import FORCED
 from suspid.identification.repeats import Repeats
 from suspid.identification.selection import MOST_PAIRS, Selection, select
-from suspid.identification.stabilization import HIGHEST_VIEW, Stabilization, stabilization
+from suspid.identification.stabilization import Stabilization, stabilization
 from suspid.identification.steps import FourSteps
 from suspid.identification.tables import tables_of, tables_of_repeats
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
@@ -39,7 +39,6 @@ __all__ = [
     "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
     "FORCED",
-    "HIGHEST_VIEW",
     "MOST_PAIRS",
     "UNIFORM_STD",
     "AmplitudeDependence",

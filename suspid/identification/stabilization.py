@@ -12,7 +12,7 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.results import Result
-from suspid.signals import as_signal
+from suspid.signals import PASSED, as_signal
 from suspid.threads import in_one_thread
 from suspid.units import ComplexArray, Hertz, RealArray
 from suspid.values import frozen_complex, frozen_real, is_count
@@ -21,8 +21,6 @@ from suspid.values import frozen_complex, frozen_real, is_count
 STABLE_WN, STABLE_ZETA = 0.01, 0.05
 # Rows of the matrix of shifted samples, all channels together: more see slower modes, and take more time.
 SHIFTED_ROWS = 360
-# Highest frequency in view by default, over the sampling rate: above it, filters against aliases act.
-HIGHEST_VIEW = 0.4
 # Samples that are kept in a cycle of the highest frequency in view.
 SAMPLES_A_CYCLE = 2.5
 
@@ -132,7 +130,7 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
     orders = tuple(range(2, highest + 1, 2))
     poles = [_poles(vectors[:, :order], channels, step) for order in orders]
     judged = [_stable(now, before) for before, now in zip([np.empty(0, complex), *poles[:-1]], poles, strict=True)]
-    view = HIGHEST_VIEW / signal.step if highest_hz is None else highest_hz
+    view = PASSED / signal.step if highest_hz is None else highest_hz
     hertz, decibel = _spectrum(signal.values, signal.step, view)
     return Stabilization(
         orders=orders,

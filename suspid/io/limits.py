@@ -12,7 +12,6 @@ from suspid.units import RealArray
 # Memory that any file may take [bytes]; a larger one may take this many times its own size. Compressed records of
 # measured numbers take 2 to 20 times theirs, bombs 1000 times and more.
 ANY_FILE, TIMES_SIZE = 1 << 29, 100
-NUMBER_BYTES = 8  # bytes of a number as it is held
 
 
 def most_bytes(size: int) -> int:
@@ -50,7 +49,8 @@ def metered(table: Table, size: int | None) -> Table:
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         read.update(wanted)
-        check_memory(NUMBER_BYTES * sum(table.sizes.get(name, 0) for name in read), file_size)
+        # A number as it is held has 8 bytes.
+        check_memory(8 * sum(table.sizes.get(name, 0) for name in read), file_size)
         return table.columns(wanted)
 
     return replace(table, columns=columns)

@@ -57,7 +57,8 @@ ABSCISSA = {"x", "axis", "value", "values", "data"}
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
 # The index of a data frame, as pandas reads it again.
 UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
-# Characters of a name or of a line that patterns are tried on. Longer ones are no names that a program wrote.
+# Characters of a name or of a line that patterns are tried on, whose time grows with their square. Longer ones are no
+# names that a program wrote.
 LONGEST_READ = 200
 # A name and, in brackets behind it, its unit; a number there counts columns.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")

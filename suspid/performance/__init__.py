@@ -28,6 +28,7 @@ from suspid.performance.losses import Loss as Loss
 from suspid.performance.losses import Rates as Rates
 from suspid.performance.losses import WearRule
 from suspid.performance.losses import loss_of as loss_of
+from suspid.performance.recorded import SHARED_HALF as SHARED_HALF
 from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
 from suspid.performance.rides import power_ends as power_ends

@@ -11,7 +11,7 @@ import numpy as np
 
 from suspid.cleaning import to_si
 from suspid.errors import InputError
-from suspid.io import bare_name, bracketed_unit
+from suspid.io import LONGEST_READ, bare_name, bracketed_unit
 from suspid.performance.figure_plan import (
     ACCELERATION,
     ANGLES,
@@ -29,8 +29,6 @@ from suspid.wording import Argument, AtCommandLine
 ACCELERATIONS = ("m/s2", "rad/s2")
 # Ends of names of what a record of a car holds besides accelerations.
 NO_ACCELERATION = (TRAVEL, "_velocity", "_displacement", "_force", "_rate")
-# Characters of a name that are read: the time of a pattern grows with their square.
-MOST_OF_NAME = 200
 # Words in names of other motions and of forces.
 OF_OTHER_MOTIONS = {
     "displacement", "travel", "position", "height", "lvdt", "stroke", "angle", "gyro", "gyroscope", "velocity", "speed",
@@ -190,7 +188,7 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
 
 def _without_suffix(name: str) -> tuple[str, str]:
     """Return a name without the unit that it ends in, of any quantity in `SUFFIX`, and that unit; empty without one."""
-    found = SUFFIX.fullmatch(name[:MOST_OF_NAME])
+    found = SUFFIX.fullmatch(name[:LONGEST_READ])
     if found is None:
         return name, ""
     return found[1], re.sub(r"p(s|h)", r"/\1", found[2].lower()) if "/" not in found[2] else found[2]
@@ -198,7 +196,7 @@ def _without_suffix(name: str) -> tuple[str, str]:
 
 def _other(name: str) -> bool:
     """Return whether a word in a name says that it is something else than an acceleration."""
-    words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name[:MOST_OF_NAME]).lower())
+    words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name[:LONGEST_READ]).lower())
     return bool(OF_OTHER_MOTIONS.intersection(words)) and not any(word.startswith(("acc", "beschl")) for word in words)
 
 

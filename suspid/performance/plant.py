@@ -17,8 +17,6 @@ from suspid.wording import Argument
 
 # The name of the actuator's own force among objectives and limits.
 ACTUATOR = "force"
-# Exponent of a road whose slope is white.
-WHITE_SLOPES = 2.0
 
 
 def outputs_wanted(
@@ -47,7 +45,7 @@ def slope_density(car: Suspension, road: Road | str | float, speed: float | None
     if len(car.roads) != 1:
         raise InputError(f"the car has {len(car.roads)} roads; state feedback is computed for cars with one")
     driven = driven_road(car, road, speed)
-    if driven.exponent != WHITE_SLOPES:
+    if driven.exponent != 2:
         raise InputError(
             f"the road has the exponent {driven.exponent:g}; state feedback needs white slopes, exponent 2"
         )

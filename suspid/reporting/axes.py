@@ -34,10 +34,6 @@ def keep_apart(figure: Figure) -> None:
 
 # Highest frequency in view, over that of the highest mode.
 IN_VIEW = 2.5
-# Room of an entry of a key and its part of the title beside it [inch].
-KEY_WIDTH = 1.1
-# Room of the number at a tick [inch]; and the decades over which those of 1 alone do.
-TICK_WIDTH, TWO_DECADES = 0.36, 2.0
 
 
 def entitle(ax: Axes, title: str) -> None:
@@ -111,8 +107,9 @@ def frequency_ticks(axis: Axis, ratio: float) -> None:
 
     decades = float(np.log10(ratio))
     room = axis.axes.get_window_extent().width / axis.axes.figure.dpi
-    crowded = axis is axis.axes.xaxis and room < 3 * decades * TICK_WIDTH
-    subs = (1.0,) if crowded and decades >= TWO_DECADES else (1.0, 2.0, 5.0)
+    # A number takes 0.36 inch.
+    crowded = axis is axis.axes.xaxis and room < 3 * decades * 0.36
+    subs = (1.0,) if crowded and decades >= 2 else (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(subs=subs) if ratio > 8 else AutoLocator())
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -197,7 +194,8 @@ def key_above(ax: Axes, *, abreast: int = 3) -> None:
     """Put the key to the lines of some Axes above them, at the right; inside where the title leaves no room."""
     entries = min(abreast, len(ax.get_legend_handles_labels()[1]))
     width = ax.get_window_extent().width
-    if width < KEY_WIDTH * ax.figure.dpi * entries:
+    # An entry and its part of the title beside it take 1.1 inch.
+    if width < 1.1 * ax.figure.dpi * entries:
         _key_inside(ax)
         return
     key = ax.legend(

@@ -33,9 +33,6 @@ from suspid.results import Drawing
 from suspid.results import drawing_of as drawing_of
 from suspid.wavelets import BandwidthSearch, Scalogram
 
-# Width and height of a stabilisation diagram with the damping below it [inch].
-STABILIZATION = (7.0, 5.5)
-
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -88,7 +85,8 @@ def _(found: Comparison) -> Drawing:
 @drawing_of.register
 def _(found: Stabilization) -> Drawing:
     alone, page = partial(plot_stabilization, found), partial(plot_stabilization_page, found)
-    return Drawing(alone=alone, page=page, size=STABILIZATION)
+    # Room for the damping below the diagram [inch].
+    return Drawing(alone=alone, page=page, size=(7.0, 5.5))
 
 
 @drawing_of.register(Wear)

@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import EXACT
+from suspid.performance import SHARED_HALF
 from suspid.records import inputs_of
 from suspid.reporting.axes import IN_VIEW, position
 from suspid.reporting.channel_units import gain_unit
@@ -20,10 +21,6 @@ if TYPE_CHECKING:
 
     from suspid.greybox import Estimate
     from suspid.units import ComplexArray, Hertz, RealArray
-
-# Share of the averages of half overlapping Hann windows that count as independent ones (P. D. Welch, IEEE Transactions
-# on Audio and Electroacoustics 15 (1967) 70-73): neighbours correlate by 1/6, twice its square is lost.
-INDEPENDENT = 1 / (1 + 2 / 36)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -107,7 +104,7 @@ def _response(
     if not np.any(kept):
         raise InputError("the cause does not move, so there is no frequency response")
     coherence = np.clip(np.abs(cross) ** 2 / np.maximum(power * own, 1e-300), 1e-12, 1.0)[kept]
-    averages = INDEPENDENT * max(1, 2 * (size // length) - 1)
+    averages = max(1, 2 * (size // length) - 1) / (1 + SHARED_HALF)
     return Frf(
         hertz=hertz[kept],
         record=(cross / (power - quiet))[kept],

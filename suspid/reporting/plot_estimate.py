@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 # Height of a line of the upper picture, and the least of a channel [inch]; channels below each other at most.
 LINE, LEAST_HEIGHT, PANELS_BELOW = 0.28, 1.2, 6
-# Width of a figure [inch] in which the title has room for what the colours mean.
-WIDE_ENOUGH = 5.0
 
 
 @explained
@@ -117,6 +115,7 @@ def draw_changes(found: Estimate | Reconstruction, ax: Axes, level: Ratio = LEVE
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_xlabel("change from nominal [%]")
     intervals = f" with {100 * level:g} % intervals" if known else ""
-    if known and ax.figure.bbox.width > WIDE_ENOUGH * ax.figure.dpi:
+    # In 5 inches the title has room for what the colours mean.
+    if known and ax.figure.bbox.width > 5 * ax.figure.dpi:
         intervals += "; grey: no significant change"
     entitle(ax, f"springs and dampers{intervals}")

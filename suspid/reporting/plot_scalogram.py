@@ -22,13 +22,6 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
     from suspid.wavelets import Scalogram
 
-# Room of the title next to the key, and height of the label and the ticks below the Axes [inch].
-TITLE_WIDTH, LABEL_HEIGHT = 0.8, 0.45
-# Room that the bar of colours with its label takes next to the Axes, and the right scale's labels with it [inch].
-COLORBAR = 1.0
-# Height of the number of a mode in its box, and width with its gap [point]: nearer numbers stand side by side.
-NUMBER_HEIGHT, NUMBER_WIDTH = 14.0, 16.0
-
 
 @explained
 def plot_scalogram(
@@ -108,7 +101,8 @@ def plot_scalogram(
     entitle(ax, "all channels" if channel is None else shown(channel))
     if modes is not None:
         _mark_modes(ax, modes)
-    _key(ax, COLORBAR if colorbar else 0.0)
+    # The bar with its label takes an inch next to the Axes, the labels of the right scale included.
+    _key(ax, 1.0 if colorbar else 0.0)
     if colorbar:
         bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
         bar.set_label("modulus [dB of the largest]")
@@ -125,9 +119,10 @@ def _key(ax: Axes, taken: float) -> None:
     if not ax.get_legend_handles_labels()[1]:
         return
     box, inch = ax.get_window_extent(), ax.figure.dpi
-    below = ax.transAxes + ScaledTranslation(0.0, -LABEL_HEIGHT, ax.figure.dpi_scale_trans)
+    # The label and the ticks below the Axes take 0.45 inch, the title next to the key 0.8 inch.
+    below = ax.transAxes + ScaledTranslation(0.0, -0.45, ax.figure.dpi_scale_trans)
     look: dict[str, Any] = {"fontsize": "small", "frameon": False, "borderaxespad": 0.0}
-    beside_title = (TITLE_WIDTH + taken) * inch
+    beside_title = (0.8 + taken) * inch
     places = [
         ({"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 4}, beside_title),
         ({"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": below, "ncols": 2}, taken * inch),
@@ -176,9 +171,10 @@ def _mark_modes(ax: Axes, modes: ModalSet) -> None:
     at = np.full(numbers.size, end)
     ax.plot(at, hertz[numbers], color=Colour.GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
     heights = ax.transData.transform(np.column_stack([at, hertz[numbers]]))[:, 1] * 72 / ax.figure.dpi
+    # A number in its box takes 16 points with its gap.
     for k, place in zip(numbers, _places(heights), strict=True):
         ax.annotate(
-            f"{k + 1}", (end, hertz[k]), xytext=(-8 - NUMBER_WIDTH * place, 0), textcoords="offset points", ha="right",
+            f"{k + 1}", (end, hertz[k]), xytext=(-8 - 16 * place, 0), textcoords="offset points", ha="right",
             va="center", fontsize="small",
             bbox={"facecolor": Colour.WHITE, "edgecolor": Colour.GREEN, "linewidth": 0.6, "pad": 1.5},
         )  # fmt: skip
@@ -194,7 +190,8 @@ def _places(heights: RealArray) -> list[int]:
     """
     places, tops = [], list[float]()
     for height in heights.tolist():
-        free = next((k for k, top in enumerate(tops) if height - top >= NUMBER_HEIGHT), len(tops))
+        # A box is 14 points high: nearer numbers stand side by side.
+        free = next((k for k, top in enumerate(tops) if height - top >= 14), len(tops))
         tops[free : free + 1] = [height]
         places.append(free)
     return places

@@ -8,10 +8,10 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
-from suspid.identification import HIGHEST_VIEW, Identification, Stabilization, stabilization
+from suspid.identification import Identification, Stabilization, stabilization
 from suspid.reporting.axes import IN_VIEW, key_above
 from suspid.reporting.colours import Colour
-from suspid.signals import as_signal
+from suspid.signals import PASSED, as_signal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,7 +53,7 @@ def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: A
     if isinstance(found, Stabilization):
         diagram = found
     elif isinstance(found, Identification) and len(hertz):
-        highest = min(IN_VIEW * float(hertz.max()), HIGHEST_VIEW / as_signal(found.response).step)
+        highest = min(IN_VIEW * float(hertz.max()), PASSED / as_signal(found.response).step)
         diagram = stabilization(found.response, most=most, highest_hz=highest)
     else:
         diagram = stabilization(found.response if isinstance(found, Identification) else as_record(found), most=most)
