@@ -141,8 +141,10 @@ class TestCounts:
         ]
         blank = dict.fromkeys(TABLE_COLUMNS["modes"]) | {"f_hz": 1.0, "zeta": 0.1}
         modes = [
-            blank | {"record": f"r{k}", "mode": mode, "verdict": verdict, "doubts": doubts}
-            for k, (verdict, doubts) in enumerate([("care", ["a", "b"]), ("sound", []), ("care", ["b"])])
+            blank | {"record": f"r{k}", "mode": mode, "verdict": verdict, "doubts": doubts, "remarks": "; ".join(said)}
+            for k, (verdict, doubts, said) in enumerate(
+                [("care", ["a", "b"], ["A.", "B of 0."]), ("sound", [], ["C."]), ("care", ["b"], ["B of 2.", "C."])]
+            )
             for mode in (1, 2)
         ]
         results(tmp_path, np.ones((1, 1)), np.ones((1, 1)), names=["x"])
@@ -156,6 +158,8 @@ class TestCounts:
         said = {check.remark.code: check.remark.numbers for check in summary.verdict.checks}
         assert said[FleetCheck.CARE] == {"care": 2}
         assert summary.doubts == {"b": 2, "a": 1}
+        assert summary.said == {"a": "A.", "b": "B of 2."}
+        assert "B of 2." in str(summary)
 
 
 class TestTrends:

@@ -115,9 +115,9 @@ class DamperTrends(Result):
                 "damper": [one.damper for one in self.trends],
                 "drives": [str(one.drives) for one in self.trends],
                 "verdict": [str(one.state) for one in self.trends],
-                "lost": [f"{one.loss.value:.1%}" for one in self.trends],
-                f"at least ({percent})": [f"{one.loss.low:.1%}" for one in self.trends],
-                "at most": [f"{one.loss.high:.1%}" for one in self.trends],
+                "lost": [f"{one.loss.value:z.1%}" for one in self.trends],
+                f"at least ({percent})": [f"{one.loss.low:z.1%}" for one in self.trends],
+                "at most": [f"{one.loss.high:z.1%}" for one in self.trends],
                 "scatter": [f"{one.scatter:.1%}" for one in self.trends],
             }
         )

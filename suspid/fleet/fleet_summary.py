@@ -89,7 +89,10 @@ def fleet_summary(
     drives, placed, others = layout.main == "drives", dict[str, tuple[str, float]](), 0
     if drives:
         names, placed = placed_drives(place)
-        first, quantities = read_table(place, "drives", columns=["verdict", "doubts"]), body_quantities(place)
+        first, quantities = (
+            read_table(place, "drives", columns=["verdict", "doubts", "remarks"]),
+            body_quantities(place),
+        )
     else:
         names, record, columns = _modes(place)
         label = _families(columns, record, car)
@@ -126,7 +129,17 @@ def fleet_summary(
         wear=wear_counts(place, car) if drives and car is not None else {},
         untrusted=untrusted_drives(place) if drives else 0,
         car=car,
+        said=_said(first),
     )
+
+
+def _said(first: pa.Table) -> dict[str, str]:
+    """Return a sentence for each doubt that is the gravest of some record: its remarks begin with that doubt's."""
+    found: dict[str, str] = {}
+    for doubts, remarks in zip(first["doubts"].to_pylist(), first["remarks"].to_pylist(), strict=True):
+        if doubts and remarks:
+            found.setdefault(doubts[0], remarks.partition("; ")[0])
+    return found
 
 
 def _families(columns: Mapping[str, RealArray], record: NDArray[np.int64], car: Suspension | None) -> NDArray[np.int64]:
@@ -153,8 +166,8 @@ def _failures(folder: Path) -> tuple[FailureCount, ...]:
 
 
 def _first_rows(folder: Path) -> pa.Table:
-    """Return verdict and doubts of each record: they are the same in the rows of all its modes."""
-    table = read_table(folder, "modes", columns=["mode", "verdict", "doubts"])
+    """Return verdict, doubts and remarks of each record: they are the same in the rows of all its modes."""
+    table = read_table(folder, "modes", columns=["mode", "verdict", "doubts", "remarks"])
     return table.take(np.flatnonzero(table["mode"].to_numpy() == 1))
 
 

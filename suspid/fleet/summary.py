@@ -102,6 +102,8 @@ class FleetSummary(Result):
         How many drives have springs and dampers that cannot be built upon, and are in no trend of dampers.
     car : Suspension or None
         The nominal car that the run was given.
+    said : mapping of str to str
+        For each doubt that is the gravest of some record what is said of the first of these.
 
     Examples
     --------
@@ -133,6 +135,7 @@ class FleetSummary(Result):
     wear: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     untrusted: int = 0
     car: Suspension | None = None
+    said: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def verdict(self) -> Verdict:
@@ -191,7 +194,7 @@ class FleetSummary(Result):
             }
             parts.append(text_table(columns) + "\nThe table of failures lists all of them with their reasons.")
         if self.verdicts:
-            parts.append(verdict_table(self.verdicts, self.doubts))
+            parts.append(verdict_table(self.verdicts, self.doubts, self.said))
         if self.wear:
             parts.append(wear_table(self.wear))
         if self.distributions:

@@ -6,11 +6,12 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from textwrap import wrap
 
 from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution
 from suspid.fleet.trends import Trend
-from suspid.text_tables import text_table
+from suspid.text_tables import figures_of, text_table
 from suspid.words import (
     DamperState,
     count,
@@ -19,17 +20,27 @@ from suspid.words import (
 
 # Lines of a table of the text: what fits a screen. All of them are attributes.
 MOST_SHOWN = 20
+# Significant digits of values: damping of a fleet is known to a few tenths of a per cent.
+VALUE_DIGITS = 5
+# Letters of a line of a sentence beside a doubt and its number, within a terminal.
+SENTENCE = 60
 
 
-def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
-    """Return the table of verdicts, and that of doubts if there are any."""
+def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int], said: Mapping[str, str]) -> str:
+    """Return the table of verdicts, and that of doubts, each with a sentence of one record, if there are any."""
     levels = text_table(
         {"verdict": [*map(label_in_words, verdicts)], "records": [str(number) for number in verdicts.values()]}
     )
     if not doubts:
         return levels
     shown = list(doubts.items())[:MOST_SHOWN]
-    table = text_table({"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]})
+    names = {"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]}
+    examples = [[*wrap(said.get(code, ""), SENTENCE)] or [""] for code, _ in shown]
+    long = {
+        name: [cell for text, own in zip(column, examples, strict=True) for cell in (text, *[""] * (len(own) - 1))]
+        for name, column in names.items()
+    }
+    table = text_table({**long, "such as": [line for own in examples for line in own]}, words=["such as"])
     return f"{levels}\n\n{table}{more_than_shown(len(doubts))}"
 
 
@@ -45,19 +56,19 @@ def distribution_table(distributions: Sequence[Distribution]) -> str:
         {
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
             "records": [str(one.count) for one in distributions],
-            "median": [f"{one.median:.5g}" for one in distributions],
+            "median": [figures_of(one.median, VALUE_DIGITS) for one in distributions],
             **{
-                f"{100 * q:g} %": [_or_empty(one.known_quantiles[k], ".5g") for one in distributions]
+                f"{100 * q:g} %": [_or_empty(one.known_quantiles[k], VALUE_DIGITS) for one in distributions]
                 for k, q in enumerate(QUANTILES)
             },
-            "scatter": [_or_empty(one.known_scatter, ".2g") for one in distributions],
-            "stated ±": [_or_empty(one.stated, ".2g") for one in distributions],
+            "scatter": [_or_empty(one.known_scatter, 2) for one in distributions],
+            "stated ±": [_or_empty(one.stated, 2) for one in distributions],
         }
     )
 
 
-def _or_empty(value: float | None, form: str) -> str:
-    return "" if value is None or math.isnan(value) else format(value, form)
+def _or_empty(value: float | None, digits: int) -> str:
+    return "" if value is None or math.isnan(value) else figures_of(value, digits)
 
 
 def no_outlier(distributions: Sequence[Distribution]) -> str:
@@ -88,8 +99,8 @@ def trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
         "quantity": [f"{one.quantity} {one.direction}" for one in shown],
         "tests": [str(one.count) for one in shown],
         "over": [f"{one.span:.4g}" for one in shown],
-        "start": [f"{one.start:.5g}" for one in shown],
-        "end": [f"{one.end:.5g}" for one in shown],
+        "start": [figures_of(one.start, VALUE_DIGITS) for one in shown],
+        "end": [figures_of(one.end, VALUE_DIGITS) for one in shown],
         "95 % of the change": [f"{one.change[0]:+.3g} … {one.change[1]:+.3g}" for one in shown],
         "p": [f"{one.p_adjusted:.1g}" for one in shown],
     }

@@ -11,6 +11,7 @@ import numpy as np
 from suspid.files import printable
 from suspid.fleet import MOST_SHOWN, QUANTILES
 from suspid.reporting.numerals import NOTHING, signed
+from suspid.text_tables import figures_of
 from suspid.words import DamperState, label_in_words
 
 if TYPE_CHECKING:
@@ -40,8 +41,9 @@ def verdict_table(found: FleetSummary) -> FleetTable:
 
 
 def doubt_table(found: FleetSummary) -> FleetTable:
-    """Return how many records have each doubt."""
-    return _table({"doubt": found.doubts}, {"records": found.doubts.values()})
+    """Return how many records have each doubt, and what is said of one of them."""
+    said = [found.said.get(doubt, NOTHING) for doubt in found.doubts]
+    return _table({"doubt": found.doubts}, {"records": found.doubts.values()}, {"such as": said})
 
 
 def failure_table(found: FleetSummary) -> FleetTable:
@@ -150,7 +152,7 @@ def _cell(value: object) -> str:
 
 
 def _number(value: float | None, digits: int) -> str:
-    return signed(f"{value:.{digits}g}") if value is not None and np.isfinite(value) else NOTHING
+    return signed(figures_of(value, digits)) if value is not None and np.isfinite(value) else NOTHING
 
 
 def _percent(share: float) -> str:
