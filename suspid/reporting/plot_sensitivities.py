@@ -53,6 +53,10 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
     """
     check_kind(found, {"Sensitivities": "sensitivities"})
     rows, columns = found.elasticity.shape
+    inch = ax.get_window_extent().width / ax.figure.dpi / columns
+    # A long name of a strut would run into its neighbour; in narrow columns every name does.
+    upright = inch < NARROW_COLUMN
+    size = "x-small" if upright else "small"
     for column in range(columns):
         ax.vlines([column] * rows, np.arange(rows) + 0.12, np.arange(rows) + 0.48, color=Colour.GREY, linewidth=0.6)
         for row in range(rows):
@@ -63,21 +67,18 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
             # The number stands above its bar.
             ax.barh(row + 0.3, reach, left=column, height=0.26, color=Colour.SKY if value > 0 else Colour.ORANGE)
             ax.text(column, row - 0.14, per_cent(value).replace("-", "−"), ha="center", va="center",
-                    fontsize="small")  # fmt: skip
-    ax.set_yticks(range(rows), [shown(name) for name in found.names], fontsize="small")
+                    fontsize=size)  # fmt: skip
+    ax.set_yticks(range(rows), [shown(name) for name in found.names], fontsize=size)
     names = [shown(name).rpartition(".") for name in found.parameters]
-    inch = ax.get_window_extent().width / ax.figure.dpi / columns
-    # A long name of a strut would run into its neighbour; in narrow columns every name does.
-    upright = inch < NARROW_COLUMN
     words = [(" " if upright else "\n").join([*owner.split("_"), last]) for owner, _, last in names]
-    ax.set_xticks(range(columns), words, fontsize="small", rotation=90.0 if upright else 0.0)
+    ax.set_xticks(range(columns), words, fontsize=size, rotation=90.0 if upright else 0.0)
     ax.set_ylim(rows - 0.5, -0.5)
     ax.set_xlim(-0.55, columns - 0.45)
     ax.tick_params(length=0)
     ax.xaxis.tick_top()
     for row in range(1, rows):
         ax.axhline(row - 0.5, color=Colour.SHADE, linewidth=0.6, zorder=0)
-    ax.set_xlabel(f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}", fontsize="small", wrap=True)
+    ax.set_xlabel(f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}", fontsize=size, wrap=True)
     return ax
 
 
