@@ -209,7 +209,8 @@ class TestDampers:
         assert "chassis worn" in compared.output
         # The page has the state with its reason and error rates, and what is doubted of the drive.
         page = (folder / "worn.html").read_text(encoding="utf-8")
-        for text in ("Curves of dampers", "Wear of dampers", "<b>worn</b>", damper["checks"][0]["text"], "called worn",
+        for text in ('href="#curves"', 'href="#stretches"',
+                     "Curves of dampers", "Wear of dampers", "<b>worn</b>", damper["checks"][0]["text"], "called worn",
                      "Neither lateral acceleration"):  # fmt: skip
             assert text in page
 

@@ -548,6 +548,9 @@ def test_classes_that_the_interval_reaches_are_said() -> None:
     said = [c.remark for c in grip(car, nominal_std=0.05).verdict.checks if c.level is Level.CARE]
     assert [remark.code for remark in said] == [GripCheck.BETWEEN_CLASSES]
     assert (said[0].numbers["worst"], said[0].numbers["best"]) == ("good", "excellent")
+    # Ends that round to the same number have the digits that tell them apart.
+    near = Remark(GripCheck.BETWEEN_CLASSES, {**said[0].numbers, "low": 59.55, "high": 60.42})
+    assert "59.5 to 60.4 %" in str(near) or "59.6 to 60.4 %" in str(near)
 
 
 def test_a_ride_needs_a_load_on_every_wheel() -> None:

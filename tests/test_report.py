@@ -23,6 +23,7 @@ from jsonschema import Draft202012Validator
 from matplotlib.figure import Figure
 from PIL import Image
 
+import suspid
 from suspid import (
     Considered,
     Identification,
@@ -348,6 +349,16 @@ class TestVerdict:
         assert "m/s²" in text
         assert "m/s2" not in text
         assert report_to_dict(found)["sensitivities"] is None
+
+
+TEMPLATES = Path(suspid.__file__).parent / "reporting" / "templates"
+
+
+class TestTables:
+    @pytest.mark.parametrize("template", sorted(TEMPLATES.glob("*.j2")), ids=lambda path: path.name)
+    def test_every_cell_has_its_label_where_a_phone_hides_the_headings(self, template: Path) -> None:
+        cells = re.findall(r"<td\b[^>]*>", template.read_text(encoding="utf-8"))
+        assert [cell for cell in cells if "data-label=" not in cell] == []
 
 
 class TestRounding:

@@ -37,9 +37,9 @@ def _wear_cells(wear: Wear | None, name: str) -> dict[str, str]:
     one = next((one for one in wear.dampers if one.damper == name), None)
     if one is None:
         return dict.fromkeys(titles, "")
-    lost = f"{one.loss.value:.0%} (to {one.loss.high:.0%})"
+    lost = f"{one.loss.value:z.0%} (to {one.loss.high:z.0%})"
     if np.isfinite(one.loss.low):
-        lost = f"{one.loss.value:.0%} ({one.loss.low:.0%} to {one.loss.high:.0%})"
+        lost = f"{one.loss.value:z.0%} ({one.loss.low:z.0%} to {one.loss.high:z.0%})"
     return dict(zip(titles, (str(one.state), lost, *_grip_cells(wear, one.wheel)), strict=True))
 
 

@@ -170,7 +170,7 @@ class Wear(Result):
         return columns_of(self.changes, ["name", "unit", "before", "after", "change", "low", "high", "significant"])
 
     def _brief(self) -> str:
-        lost = ", ".join(f"{one.damper} {one.state} ({one.loss.value:.1%} lost)" for one in self.dampers)
+        lost = ", ".join(f"{one.damper} {one.state} ({one.loss.value:z.1%} lost)" for one in self.dampers)
         return f"{lost or 'no damper'}; against {self.against}"
 
     def __str__(self) -> str:
@@ -191,9 +191,11 @@ class Wear(Result):
         dampers = {
             "damper": [one.damper for one in self.dampers],
             "verdict": [str(one.state) for one in self.dampers],
-            "lost": [f"{one.loss.value:.1%}" for one in self.dampers],
-            f"at least ({sides})": [f"{one.loss.low:.1%}" if np.isfinite(one.loss.low) else "" for one in self.dampers],
-            "at most": [f"{one.loss.high:.1%}" for one in self.dampers],
+            "lost": [f"{one.loss.value:z.1%}" for one in self.dampers],
+            f"at least ({sides})": [
+                f"{one.loss.low:z.1%}" if np.isfinite(one.loss.low) else "" for one in self.dampers
+            ],
+            "at most": [f"{one.loss.high:z.1%}" for one in self.dampers],
         }
         return "\n\n".join([*parts, text_table(dampers), str(self.verdict)])
 
@@ -211,4 +213,4 @@ def _grips(before: Grip, after: Grip) -> dict[str, list[str]]:
 
 
 def _percent(value: Ratio) -> str:
-    return f"{100 * value:+.1f} %" if np.isfinite(value) else "any"
+    return f"{100 * value:+z.1f} %" if np.isfinite(value) else "any"

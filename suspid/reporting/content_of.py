@@ -28,8 +28,10 @@ from suspid.words import Note
 
 if TYPE_CHECKING:
     from suspid.decays import Decay
+    from suspid.greybox import Drives
     from suspid.identification import Identification, Repeats
     from suspid.reconstruction import Reconstruction
+    from suspid.words import Verdict
 
 
 @explained
@@ -162,16 +164,19 @@ def content_of(
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, FleetSummary):
         return FleetContent(found=found, sources=sources, warnings=warnings)
-    judged = None
+    judged: Verdict | None = None
+    drives: Sequence[Drives] = ()
     if isinstance(found, DriveAnalysis):
         if found.estimate is None:
             return DriveContent(found=found, sources=sources, level=level, warnings=warnings)
         curves, wear, judged = curves or found.curves, wear or found.wear, found.verdict
+        drives = found.drives
         found = found.estimate
     if isinstance(found, Estimate):
         return EstimateContent(
             found=found,
             judged=judged,
+            drives=drives,
             sources=sources,
             level=level,
             warnings=warnings,

@@ -65,10 +65,14 @@ def drive_fields(content: DriveContent) -> dict[str, object]:
             "facts": f"{count(len(found.drives), 'file')}, {length:.4g} s, of which {found.usable:.4g} s can be used",
             "bodies": FleetTable() if found.body is None else _body_table(found.body, content.level),
             "spectra": None if found.body is None else _spectra(found),
-            "files": [(printable(one.title), _course(one, k), _stretches(one))
-                      for k, one in enumerate(found.drives[:MOST_FILES])],
-            "hidden": max(0, len(found.drives) - MOST_FILES),
-        }  # fmt: skip
+            **stretch_fields(found.drives),
+        }
+
+
+def stretch_fields(drives: Sequence[Drives]) -> dict[str, object]:
+    """Return what the template of stretches shows: the course of each file and its stretches."""
+    shown = [(printable(one.title), _course(one, k), _stretches(one)) for k, one in enumerate(drives[:MOST_FILES])]
+    return {"files": shown, "hidden": max(0, len(drives) - MOST_FILES)}
 
 
 def _body_table(found: BodyModes, level: Ratio) -> FleetTable:

@@ -12,6 +12,7 @@ from suspid.greybox import quantities_in
 from suspid.performance import Ride, grip_if_any
 from suspid.reporting.axes import plot_residual, shown, unit_ticks
 from suspid.reporting.channel_units import channel_unit
+from suspid.reporting.drive_page import stretch_fields
 from suspid.reporting.frf import Frf, responses
 from suspid.reporting.limit_rows import limit_rows, limit_steps
 from suspid.reporting.numerals import signed
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from suspid.analysis import CheckedLimits
-    from suspid.greybox import DamperCurve, Estimate
+    from suspid.greybox import DamperCurve, Drives, Estimate
     from suspid.performance import Wear
     from suspid.reporting.source import Source
     from suspid.units import Ratio
@@ -66,6 +67,8 @@ class EstimateContent:
         The limits that were given, judged.
     judged : Verdict or None
         The verdict of the whole analysis, such as that of drives.
+    drives : sequence of Drives
+        The stretches of the drives that were used and left out, if the records come from drives.
     """
 
     found: Estimate
@@ -78,6 +81,7 @@ class EstimateContent:
     wear: Wear | None = None
     limits: CheckedLimits | None = None
     judged: Verdict | None = None
+    drives: Sequence[Drives] = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -118,6 +122,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "modes": [(quantities, "") for quantities in mode_quantities(found.modes, level)],
             "shapes": list(shape_pictures(found.modes)),
             **wear_fields(content.wear),
+            **stretch_fields(content.drives),
             "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
                        for k, one in enumerate(content.curves)],
             "records": [_part(content, k) for k in range(min(len(records), MOST_LISTED))],

@@ -69,7 +69,7 @@ def _row(one: DamperWear) -> WearRow:
 
 
 def _percent(share: Ratio) -> str:
-    return signed(f"{100 * share:.1f} %") if np.isfinite(share) else NOTHING
+    return signed(f"{100 * share:z.1f} %") if np.isfinite(share) else NOTHING
 
 
 def _kind(check: Check) -> str:

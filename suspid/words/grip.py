@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from suspid.words.remarks import Code, in_a_row
+from suspid.words.remarks import Code, in_a_row, sentence
 from suspid.words.ride import dampers_of_equal_work
 
 Numbers: TypeAlias = Mapping[str, Any]
@@ -14,6 +14,13 @@ Numbers: TypeAlias = Mapping[str, Any]
 def _named(text: str) -> Callable[[Numbers], str]:
     """Return words with the names in place of ``{names}``, the last after an "and"."""
     return lambda numbers: text.format_map({**numbers, "names": in_a_row(numbers["names"])})
+
+
+def _apart(low: object, high: object) -> str:
+    """Return two ends with as many digits as show that they differ."""
+    ends = (float(str(low)), float(str(high)))
+    every = [tuple(f"{end:.{digits}f}" for end in ends) for digits in range(5)]
+    return " to ".join(next((one for one in every if one[0] != one[1]), every[-1]))
 
 
 class GripHeadline(Code):
@@ -34,7 +41,12 @@ class GripCheck(Code):
     )
     BETWEEN_CLASSES = (
         "between classes",
-        "{wheel}: the interval of the adhesion, {low:.0f} to {high:.0f} %, reaches from {worst} to {best}.",
+        sentence(
+            lambda n: (
+                f"{n['wheel']}: the interval of the adhesion, {_apart(n['low'], n['high'])} %, reaches from "
+                f"{n['worst']} to {n['best']}."
+            )
+        ),
     )
     STIFF = (
         "stiff",
