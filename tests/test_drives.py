@@ -460,8 +460,8 @@ class TestStretches:
             find_drives(ride(channel("az", body())), car=car)
 
     def test_the_tables_give_what_was_taken_first_and_reasons_by_how_long_they_held(self) -> None:
-        """Two stops of 15 s and one of 5 s in which a sensor is missing; a clock that begins at 3.2 µs."""
-        late = TIME + 3.2e-6
+        """Two stops of 15 s and one of 5 s in which a sensor is missing; a clock that begins at -3.2 µs."""
+        late = TIME - 3.2e-6
         motion, still = body(), (TIME < 15) | (TIME >= 105)
         motion[6000:6500] = np.nan
         speed = channel("speed", np.where(still, 0.0, 15.0), "m/s", times=late)

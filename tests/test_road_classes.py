@@ -23,6 +23,8 @@ def test_ends_of_an_interval_are_quantiles_of_a_normal_law() -> None:
 
 def test_classes_on_both_sides_of_a_limit_are_named() -> None:
     found = classify_road(road(32e-6, speed=20.0).record(TIME[:2000], rng=np.random.default_rng(2)), speed=20.0)
+    below = norm.cdf(np.log(32e-6 / found.roughness) / np.sqrt(found.covariance[0, 0]))
+    assert found.shares["A"] == pytest.approx(below)
     (check,) = [check for check in found.verdict.checks if check.remark.code is RoadCheck.BETWEEN]
     assert check.remark.numbers["names"] == ("A", "B")
 
@@ -32,6 +34,13 @@ def test_more_than_twice_the_roughest_class_is_no_road(factor: float, doubted: b
     made = road(factor * ROUGHNESS["H"], speed=20.0)
     found = classify_road(made.record(TIME, rng=np.random.default_rng(1)), speed=20.0)
     assert (RoadCheck.NO_ROAD in [doubt.code for doubt in found.verdict.doubts]) is doubted
+
+
+@pytest.mark.parametrize(("exponent", "doubted"), [(1.5, False), (3.0, False), (5.0, True)])
+def test_exponents_that_no_road_has_are_doubted(exponent: float, doubted: bool) -> None:
+    made = road("B", speed=20.0, exponent=exponent)
+    found = classify_road(made.record(TIME, rng=np.random.default_rng(1)), speed=20.0)
+    assert (RoadCheck.NO_POWER_LAW in [doubt.code for doubt in found.verdict.doubts]) is doubted
 
 
 @pytest.mark.parametrize(("metres", "enough"), [(170, False), (280, True)])
