@@ -1,7 +1,8 @@
 """Structures under forces that follow their motion, beside exact motions of rigs."""
 
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -9,9 +10,14 @@ from numpy.typing import NDArray
 
 from suspid import identify
 from suspid.identification import ForceKind, Identification
+from suspid.identification.noise import WhiteNoise
+from suspid.identification.nonlinear.beginnings import stops_soon
+from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force
-from suspid.identification.nonlinear.guesses import gains_of
+from suspid.identification.nonlinear.guesses import gains_of, with_friction
 from suspid.identification.nonlinear.motion import Structures, motion_of
+from suspid.identification.nonlinear.structure import StructureFit, structure_of
 from suspid.records import as_response
 from validation import rigs
 from validation.friction import Rig, released
@@ -160,6 +166,37 @@ class TestTwoMassesWithFriction:
         assert small > 1.5 * large
 
 
+def without_friction(truth: Structures, *, order: int = 0, damping: float = 1.0, count: int = 150) -> StructureFit:
+    """Return a start without forces beside a record of the motion, with noise of 1 / 1000: the amplitudes fit best.
+
+    Its damping is a multiple of the true one. Channels are displacements (0) or accelerations (2).
+    """
+    theta, shapes = truth.theta[0], truth.shapes[0]
+    record = Record(
+        values=np.zeros((shapes.shape[1], count)),
+        noise=WhiteNoise(least=np.full(shapes.shape[1], 1e-30)),
+        theta=theta,
+        amplitudes=shapes * theta[:, None] ** order,
+        nuisances=np.zeros(1),
+    )
+    none = structure_of(record, theta, record.amplitudes, truth.forces, order)
+    exact = -none.with_structures(truth).residual
+    noise = np.std(exact, axis=1, keepdims=True) * np.random.default_rng(1).standard_normal(exact.shape)
+    values = exact + 1e-3 * noise
+    damped = damping * theta.real + 1j * theta.imag
+    powers = np.exp(np.outer(np.arange(count), damped))
+    columns = np.column_stack([powers.real, -powers.imag, np.ones(count)])
+    parts = np.linalg.lstsq(columns, values.T, rcond=None)[0]
+    amplitudes = parts[: len(theta)] + 1j * parts[len(theta) : 2 * len(theta)]
+    return structure_of(replace(record, values=values), damped, amplitudes, truth.forces, order)
+
+
+def slowed_by(of: Structures) -> Real:
+    """Return by how much the friction of each mass slows it, per sample squared."""
+    speeds = np.einsum("kc,kj->cj", of.shapes[0] * of.theta[0][:, None], of.gains[0]).real
+    return np.asarray(-np.diag(speeds))
+
+
 class TestGuessesOfFriction:
     """Friction that stops both masses after two and a half cycles: the linear fit knows neither its poles nor sizes."""
 
@@ -171,6 +208,60 @@ class TestGuessesOfFriction:
         slowed = np.array(RIG.friction) / np.array(RIG.mass) * 1e-6
         guessed = gains_of(modes.theta[0], modes.shapes[0], slowed)
         assert guessed == pytest.approx(modes.gains[0], rel=1e-9)
+
+    def test_the_best_start_has_the_friction_of_each_mass_to_a_factor_of_two(self) -> None:
+        """Sizes that are tried are 2 to 2.5 times apart."""
+        for friction in (self.RIG.friction, (8.0, 0.8)):
+            truth = structure(replace(self.RIG, friction=friction), self.HELD, 1 / 300)
+            plain = without_friction(truth)
+            starts = with_friction(plain)
+            losses = [start.loss for start in starts]
+            assert len(starts) == 3
+            assert losses == sorted(losses)
+            assert losses[-1] < plain.loss
+            assert np.all(np.abs(np.log2(slowed_by(starts[0].structures) / slowed_by(truth))) < 1)
+
+    @pytest.mark.parametrize("factor", [1.0, 5.0])
+    def test_damping_of_a_linear_fit_may_be_friction_or_its_own(self, factor: float) -> None:
+        truth = structure(replace(self.RIG, friction=(8.0, 0.8)), self.HELD, 1 / 300)
+        start = with_friction(without_friction(truth, damping=factor))[0]
+        assert start.theta.real == pytest.approx(truth.theta[0].real)
+
+    def test_accelerations_show_friction_at_once(self) -> None:
+        truth = structure(self.RIG, self.HELD, 1 / 300)
+        plain = without_friction(truth, order=2)
+        start = with_friction(plain)[0]
+        assert start.loss < plain.loss - 2 * plain.residual.size
+        assert np.all(np.abs(np.log2(slowed_by(start.structures) / slowed_by(truth))) < 1)
+
+    def test_three_masses_have_one_share(self) -> None:
+        rig = Rig(
+            mass=(2.57, 1.04, 1.5),
+            stiffness=(4240.0, 1070.0, 3000.0),
+            damping=(1.7, 1.71, 1.0),
+            friction=(5.9, 5.6, 4.0),
+        )
+        truth = structure(rig, np.array([-0.031, 0.014, 0.02]), 1 / 300)
+        start = with_friction(without_friction(truth))[0]
+        assert abs(np.log2(np.median(slowed_by(start.structures) / slowed_by(truth)))) < 1
+
+    def test_there_are_none_where_no_friction_explains_a_record(self) -> None:
+        assert (
+            with_friction(without_friction(structure(replace(self.RIG, friction=(0.0, 0.0)), self.HELD, 1 / 300))) == []
+        )
+
+    @pytest.mark.parametrize(
+        ("cycles", "count", "soon"),
+        [((4.0, 12.0), 300, True), ((8.0, 24.0), 300, False), ((4.0,), 300, False), ((4.0, 12.0), 30000, False)],
+    )
+    def test_are_made_of_several_masses_in_short_records(
+        self, cycles: tuple[float, ...], count: int, soon: bool
+    ) -> None:
+        """Up to six cycles of the slowest mode, and a thousand steps."""
+        theta = 2j * np.pi * np.array(cycles) / count
+        start = cast("DrivenFit", SimpleNamespace(drive=SimpleNamespace(theta=theta)))
+        record = cast("Record", SimpleNamespace(values=np.zeros((len(cycles), count))))
+        assert stops_soon(record, start) is soon
 
     def test_both_modes_are_found(self) -> None:
         time = np.asarray(np.arange(170) / 300, float)
