@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from suspid import identify
 from suspid.identification import ForceKind, Identification
 from suspid.identification.noise import WhiteNoise
-from suspid.identification.nonlinear.beginnings import stops_soon
-from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear import beginnings
+from suspid.identification.nonlinear.beginnings import begun, stops_soon
+from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of, with_friction
 from suspid.identification.nonlinear.motion import Structures, motion_of
-from suspid.identification.nonlinear.structure import StructureFit, structure_of
+from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
 from suspid.records import as_response
 from validation import rigs
 from validation.friction import Rig, released
@@ -270,3 +271,49 @@ class TestGuessesOfFriction:
         assert 2 < stop * self.RIG.wn[0] / (2 * np.pi) < 2.6
         assert found.modes.wn == pytest.approx(self.RIG.wn, rel=0.01)
         assert {force.kind for force in found.forces} == {ForceKind.FRICTION}
+
+
+class TestBegun:
+    """What is returned is the best of all fits to the whole record."""
+
+    def fits(
+        self, truth: Structures, count: int, monkeypatch: pytest.MonkeyPatch
+    ) -> tuple[StructureFit, list[StructureFit]]:
+        """Return what a fit begins with that no structure explains, and all that were made."""
+        plain, made = without_friction(truth, count=count), list[StructureFit]()
+        of = plain.structures
+        drive = Drive(
+            theta=of.theta[0],
+            gains=np.zeros((of.theta.shape[1], 0), complex),
+            forces=np.zeros((0, count)),
+            nuisances=np.zeros(1),
+        )
+        start = maximize(plain.record.values, drive, plain.record.noise, steps=10)
+        assert start is not None
+
+        def spied(*args: Any, **more: Any) -> StructureFit:
+            made.append(fitted(*args, **more))
+            return made[-1]
+
+        monkeypatch.setattr(beginnings, "fitted", spied)
+        return begun(plain.record, start, 0, of.kind, highest=-np.inf), made
+
+    @pytest.mark.parametrize(
+        ("cubic", "step", "parts"),
+        [(300.0, 0.005, [80, 32, 80]), (3000.0, 0.01, [80, 32, 80]), (6000.0, 0.01, [80])],
+    )
+    def test_where_something_is_missed_the_beginning_is_fitted_first(
+        self, cubic: float, step: float, parts: list[int], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """With the first spring that is better, with the second worse; with the third nothing is missed."""
+        rig = replace(TestMotionOfSmoothForces.RIG, cubic=np.array([cubic, cubic / 2]))
+        truth = TestMotionOfSmoothForces.structure(rig, ForceKind.CUBIC, step)
+        found, made = self.fits(truth, 80, monkeypatch)
+        assert [fit.residual.shape[1] for fit in made] == parts
+        assert found.bic == min(fit.bic for fit in made if fit.residual.shape[1] == 80)
+
+    def test_with_guesses_of_friction(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        truth = structure(TestGuessesOfFriction.RIG, TestGuessesOfFriction.HELD, 1 / 300)
+        found, made = self.fits(truth, 100, monkeypatch)
+        assert len(made) > 4
+        assert found.bic == min(fit.bic for fit in made)
