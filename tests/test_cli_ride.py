@@ -23,6 +23,7 @@ from suspid import (
     ride,
     road,
     simulate,
+    tune,
     write_car,
     write_record,
 )
@@ -233,8 +234,40 @@ def test_friction_is_replaced_by_dampers_of_equal_work_and_it_is_said(
     assert check["numbers"]["damping"] == pytest.approx([rate])
 
 
+def test_a_tuning_starts_from_dampers_of_equal_work(car: Path) -> None:
+    write_car(CAR.with_parameters(friction={"chassis": 60.0}), car)
+    words = ("tune", car, *DRIVE, "--parameter", "chassis.damping", "--points", "3")
+    refused = run(*words)
+    assert refused.exit_code == 1
+    assert "give --linearise, the amplitude" in refused.stderr
+    best = car.with_name("best.toml")
+    shown = run(*words, "--linearise", "0.2", "-o", best)
+    assert shown.exit_code == 0, shown.stderr
+    rate = 1300 + 4 * 60 / (np.pi * 0.2)
+    assert f"dampers of equal work in place of friction and curves, chassis {rate:.0f} N s/m." in shown.stdout
+    equal = tune(CAR.with_parameters(damping={"chassis": rate}), parameters=["chassis.damping"], road="C", speed=20.0,
+                 points=3)  # fmt: skip
+    assert shown.stdout.startswith(str(equal).partition("\nVerdict")[0])
+    assert read_car(best).linear
+
+
+def test_a_reconstruction_takes_dampers_of_equal_work(car: Path) -> None:
+    """The modes of the car with the damper of equal work return that damper, whatever stood for it in the file."""
+    write_car(CAR.with_parameters(friction={"chassis": 60.0}), car)
+    modes, result = car.with_name("modes.json"), car.with_name("found.toml")
+    assert run("modes", car, "--linearise", "0.2", "--json", modes).exit_code == 0
+    refused = run("reconstruct", modes, car)
+    assert refused.exit_code == 1
+    assert "give --linearise, the amplitude" in refused.stderr
+    shown = run("reconstruct", modes, car, "--linearise", "0.3", "-o", result)
+    assert shown.exit_code == 0, shown.stderr
+    rate = 1300 + 4 * 60 / (np.pi * 0.3)
+    assert f"dampers of equal work in place of friction and curves, chassis {rate:.0f} N s/m." in shown.stderr
+    assert read_car(result).struts[0].damping == pytest.approx(1300 + 4 * 60 / (np.pi * 0.2), rel=1e-6)
+
+
 def test_linearise_is_said_to_have_no_use(car: Path) -> None:
-    for command in (("ride", *DRIVE), ("grip",)):
+    for command in (("ride", *DRIVE), ("grip",), ("tune", *DRIVE, "--points", "2"), ("modes",)):
         shown = run(command[0], car, *command[1:], "--linearise", "0.2")
         assert shown.exit_code == 0, shown.stderr
         assert "--linearise has no use: the car has neither friction nor curves" in shown.stderr

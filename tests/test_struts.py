@@ -117,6 +117,24 @@ class TestDescription:
         assert shown.exit_code == 0
         assert shown.stdout.strip() == str(eigenmodes(one.linearised(amplitude=0.2))).strip()
 
+    def test_friction_that_holds_a_mass_fast_is_no_damper(self, tmp_path: Path) -> None:
+        """Of a mass on a spring ``4 F / (pi V) = 20 (k m)^(1/2)`` is the limit."""
+        one = oscillator()
+        strut = one.struts[0]
+        least = 4 * strut.friction / (np.pi * 20 * np.sqrt(strut.stiffness * one.masses["mass"]))
+        assert one.linearised(1.001 * least).linear
+        with pytest.raises(InputError, match=f"^amplitude=.* is too small.*and at least {least:.2g} m/s$"):
+            one.linearised(0.999 * least)
+        write_car(one, tmp_path / "car.toml")
+        refused = CliRunner().invoke(main, ["modes", str(tmp_path / "car.toml"), "--linearise", "1e-9"])
+        assert refused.exit_code == 1
+        assert "--linearise 1e-09 m/s is too small" in refused.stderr
+
+    def test_of_a_curve_alone_every_amplitude_has_a_damper(self) -> None:
+        """A piecewise linear curve has its slopes at zero: half their sum."""
+        one = oscillator(curve=((-1.0, -500.0), (0.0, 0.0), (1.0, 1500.0)), friction=0.0)
+        assert one.linearised(1e-9).struts[0].damping == pytest.approx(1000.0)
+
     def test_toml_returns_the_same_car(self) -> None:
         one = car(curve={"chassis": CURVE}, friction={"chassis": 30.0, "tire": 0.1}, mount_stiffness={"chassis": 1e6})
         assert car_from_toml(car_to_toml(one)) == one

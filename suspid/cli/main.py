@@ -23,12 +23,13 @@ from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
 from suspid.cli.report import report_command
-from suspid.cli.ridden import OF_CARS
+from suspid.cli.ridden import OF_CARS, made_linear
 from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
 from suspid.cli.tune import tune_command
 from suspid.errors import InputError
 from suspid.files import printable
+from suspid.words.ride import dampers_of_equal_work
 
 if TYPE_CHECKING:
     from suspid.model import ModalSet, Suspension
@@ -62,6 +63,7 @@ main.add_command(tune_command)
 @click.argument("car", type=FILE)
 @wanting
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
+@LINEARISE
 @click.option("--no-search", is_flag=True, help="Start from the nominal car only, without a search for alternatives.")
 @writing
 def reconstruct_command(
@@ -69,6 +71,7 @@ def reconstruct_command(
     car: Path,
     wanted: Wanted,
     tolerance: float | None,
+    linearise: float | None,
     no_search: bool,
     outputs: Outputs,
 ) -> None:
@@ -91,9 +94,12 @@ def reconstruct_command(
     check_apart([*modes, car], [outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(modes), wanted.unknowns()
     with outputs.drafts() as (draft, json_draft), said_warnings() as said:
+        nominal, dampers = made_linear(read_car(car), linearise, said)
+        if dampers:
+            said.append(f"the nominal car: {dampers_of_equal_work(dampers)}")
         found = reconstruct(
             [ModalTest(modes=read_modes(path), added_masses=kg) for path, kg in zip(modes, masses, strict=True)],
-            read_car(car),
+            nominal,
             **unknowns,
             tolerance=tolerance,
             search=not no_search,
@@ -141,8 +147,8 @@ def modes_command(car: Path, linearise: float | None, json_file: Path | None) ->
     from suspid.model import eigenmodes
 
     check_apart([car], [json_file])
-    described = described_car(car)
-    modes: ModalSet = eigenmodes(described if linearise is None else described.linearised(linearise))
+    with said_warnings() as said:
+        modes: ModalSet = eigenmodes(made_linear(described_car(car), linearise, said)[0])
     if json_file:
         write_modes(modes, json_file)
     say(str(modes))

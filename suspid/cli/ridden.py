@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ INTERPOLATED = (Defect.MISSING, Defect.IRREGULAR_STAMPS, Defect.SLOWER_CLOCK, De
 # Share of samples up to which that is no matter: the rms of a record changes by half of it.
 MOST_INTERPOLATED = 0.01
 IN_SI = (*ACCELERATIONS, "m")
+NO_USE = "--linearise has no use: the car has neither friction nor curves"
 
 
 def record_of(source: Path, settings: Settings, said: list[str]) -> tuple[Any, tuple[Check, ...]]:
@@ -115,15 +116,25 @@ def linear_car_of(
     from suspid.model import Suspension
 
     car = car_of(source)
+    if not isinstance(car, Suspension):
+        said += [NO_USE] * (amplitude is not None)
+        return car, ()
+    linear, numbers = made_linear(car, amplitude, said)
+    return linear, (Check(Remark(code, numbers), Level.NOTE),) if numbers else ()
+
+
+def made_linear(
+    car: Suspension, amplitude: float | None, said: list[str]
+) -> tuple[Suspension, Mapping[str, Number] | None]:
+    """Return a car, linear if an amplitude of velocity is given, and which dampers it has in place of what was not."""
     if amplitude is None:
-        return car, ()
-    if not isinstance(car, Suspension) or car.linear:
-        said.append("--linearise has no use: the car has neither friction nor curves")
-        return car, ()
+        return car, None
+    if car.linear:
+        said.append(NO_USE)
+        return car, None
     linear = car.linearised(amplitude)
     made = {new.name: new.damping for old, new in zip(car.struts, linear.struts, strict=True) if not old.linear}
-    numbers: dict[str, Number] = {"amplitude": amplitude, "names": (*made,), "damping": (*made.values(),)}
-    return linear, (Check(Remark(code, numbers), Level.NOTE),)
+    return linear, {"amplitude": amplitude, "names": (*made,), "damping": (*made.values(),)}
 
 
 def car_of(source: Path) -> Suspension | Estimate:

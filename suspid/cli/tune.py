@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import click
 
 from suspid.cli.named_values import names_in, pairs
-from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, progress, road_named
+from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, LINEARISE, ON_ROAD, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import bounds_by_name
 from suspid.cli.quantities import Positive, Whole
-from suspid.cli.ridden import car_of
+from suspid.cli.ridden import linear_car_of
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, drawing
 from suspid.files import naming, replacing
+from suspid.words.tuning import TuningCheck
 
 
 @click.command("tune")
@@ -55,6 +57,7 @@ from suspid.files import naming, replacing
     help="Number of standard deviations to add to the mean of each figure, for what is uncertain. [0]",
 )
 @GIVEN_STOPS
+@LINEARISE
 @STATED_STD
 @PICTURE_OF_RIDE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the cars and their figures as JSON.")
@@ -71,6 +74,7 @@ def tune_command(
     points: int,
     robust: float | None,
     clearance: tuple[str, ...],
+    linearise: float | None,
     nominal_std: float | None,
     plot: Path | None,
     json_file: Path | None,
@@ -96,11 +100,11 @@ def tune_command(
         drawing(plot) as draw,
         replacing(json_file) if json_file else nullcontext() as json_draft,
         replacing(output) if output else nullcontext() as car_draft,
-        said_warnings(),
+        said_warnings() as said,
         progress(*tuning_steps(len(names_in(objectives) or (1, 2)), points)) as step,
         naming(source),
     ):
-        what = car_of(source)
+        what, against = linear_car_of(source, linearise, TuningCheck.LINEARISED, said)
         related += read_constraints(source) if isinstance(what, Suspension) else ()
         constraints: list[dict[str, float] | str] = [pairs(limits, "--limit", float), *related]
         found = tune(
@@ -117,6 +121,7 @@ def tune_command(
             nominal_std=nominal_std,
             progress=step,
         )
+        found = replace(found, verdict=replace(found.verdict, checks=(*found.verdict.checks, *against)))
         draw(partial(plot_tuning, found), found)
         if json_draft:
             json_draft.write_text(to_json(tuning_to_dict(found)), encoding="utf-8")

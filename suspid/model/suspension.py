@@ -11,7 +11,14 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model.sensor import Sensor
 from suspid.model.strut import Strut
-from suspid.model.suspension_checks import check_coordinates, check_masses, check_plain, check_sensors, check_struts
+from suspid.model.suspension_checks import (
+    check_amplitude,
+    check_coordinates,
+    check_masses,
+    check_plain,
+    check_sensors,
+    check_struts,
+)
 from suspid.units import Kilogram, MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, RealArray
 from suspid.values import FrozenMapping, nearest_names
 
@@ -254,6 +261,11 @@ class Suspension:
         amplitude : float, optional
             Amplitude of the dampers' velocities [m/s]. Default: their ``damping`` as stated.
 
+        Raises
+        ------
+        InputError
+            If the amplitude is not positive, or so small that friction holds a strut fast.
+
         Examples
         --------
         >>> from suspid import eigenmodes, quarter_car
@@ -262,4 +274,9 @@ class Suspension:
         >>> eigenmodes(car.linearised(amplitude=0.2)).zeta.round(3)
         array([0.282, 0.316])
         """
-        return self if self.linear else replace(self, struts=[s.linearised(amplitude) for s in self.struts])
+        if self.linear:
+            return self
+        struts = [strut.linearised(amplitude) for strut in self.struts]
+        if amplitude is not None:
+            check_amplitude(self, amplitude)
+        return replace(self, struts=struts)

@@ -7,6 +7,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from suspid.errors import InputError
 from suspid.model.checks import check_name, positive_number
 from suspid.model.sensor import DERIVATIVES, ROAD_DERIVATIVES, Sensor
@@ -17,6 +19,10 @@ from suspid.wording import WayOut
 
 if TYPE_CHECKING:
     from suspid.model.suspension import Suspension
+
+# Damper that friction equals, over twice the mass that the strut moves times the highest natural frequency, from which
+# on the strut is as good as rigid: its force is then twenty times that of inertia at every mode of the car.
+HELD_FAST = 10.0
 
 
 def check_linear(suspension: Suspension, what: str) -> None:
@@ -34,6 +40,24 @@ def check_linear(suspension: Suspension, what: str) -> None:
                     "suspid simulate takes the car as it is",
                     "leave friction and curves out of the car file; suspid simulate takes the car as it is",
                 ),
+            )
+
+
+def check_amplitude(suspension: Suspension, amplitude: float) -> None:
+    """Refuse an amplitude of velocity at which friction holds a strut fast: no damper stands for that."""
+    highest = float(np.max(np.linalg.eigvals(suspension.K / np.diag(suspension.M)[:, None]).real)) ** 0.5
+    for strut, arms in zip(suspension.struts, suspension.arms(suspension.coordinates), strict=True):
+        mobility = float(np.sum(arms**2 / np.diag(suspension.M)))
+        most = HELD_FAST * 2 * highest / mobility if mobility else np.inf
+        # Work of friction over a cycle, as in `equal_work`.
+        damper = 4 * strut.friction / (np.pi * amplitude)
+        if damper > most > 0:
+            least = f"{damper / most * amplitude:.2g}"
+            raise InputError(
+                WayOut(f"amplitude={amplitude:g}", "linearise", f"{{option}} {amplitude:g}", f"{amplitude:g}"),
+                f" m/s is too small: there the friction of strut {strut.name!r}, {strut.friction:g} N, equals a damper "
+                f"of {damper:.3g} N s/m, which holds the strut fast; give the amplitude of velocity in the motion that "
+                f"is meant, such as 0.1 m/s, and at least {least} m/s",
             )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from suspid.words.remarks import Code, count, in_a_row, sentence
-from suspid.words.ride import Numbers, listed, plainly
+from suspid.words.ride import Numbers, dampers_of_equal_work, listed, plainly
 
 
 def _front(numbers: Numbers) -> str:
@@ -43,6 +43,7 @@ class TuningCheck(Code):
         "robust",
         listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
     )
+    LINEARISED = "linearised", dampers_of_equal_work
     ONE = "one", "One car is best for both objectives: there is no trade-off."
 
 
