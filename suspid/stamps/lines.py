@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from suspid.stamps.rounding import line
 from suspid.units import RealArray, Second
 
 # Points that a line must fit before anything is concluded from it; fewer fit by chance.
 FEWEST_POINTS = 12
+# Points from which lines are sought in one step, and the most points of those lines: more take memory.
+AT_ONCE, LONGEST_LOOK = 1000, 48
 
 
 def band(step: Second, quantum: Second, jitter: float, times: RealArray) -> Second:
     """Return the width of the band in which the residuals of a clock of that step lie."""
-    return 1.01 * min(quantum, step) + jitter * step + 8 * float(np.spacing(np.max(np.abs(times))))
+    return float(_bands(np.asarray(step), quantum, jitter, times))
+
+
+def _bands(step: RealArray, quantum: Second, jitter: float, times: RealArray) -> RealArray:
+    return np.asarray(1.01 * np.minimum(quantum, step) + jitter * step + 8 * np.spacing(np.max(np.abs(times))))
+
+
+def _reach(step: RealArray, span: RealArray, quantum: Second, jitter: float) -> RealArray:
+    """Return how far from the step of least squares through so many rows that of the narrowest band is sought."""
+    return np.asarray(2 * (np.minimum(quantum, step) + jitter * step) / span)
 
 
 def narrowest_line(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> tuple[Second, Second] | None:
@@ -22,20 +35,26 @@ def narrowest_line(rows: RealArray, times: RealArray, quantum: Second, jitter: f
     step = line(rows, times)[1]
     if step <= 0:
         return None
-    reach = 2 * (min(quantum, step) + jitter * step) / span
+    reach = float(_reach(np.asarray(step), np.asarray(span), quantum, jitter))
     off = times - step * rows
     if np.ptp(off) > band(step, quantum, jitter, times) + reach * span:
         return None
-    low, high = step - reach, step + reach
-    # Golden sections to a thousandth of the interval.
-    for _ in range(16):
-        left, right = low + 0.382 * (high - low), low + 0.618 * (high - low)
-        low, high = (low, right) if np.ptp(times - left * rows) < np.ptp(times - right * rows) else (left, high)
-    step = (low + high) / 2
+    step = float(_narrowest(rows, times, np.asarray(step), np.asarray(reach)))
     off = times - step * rows
     if np.ptp(off) > band(step, quantum, jitter, times):
         return None
     return float(np.max(off) + np.min(off)) / 2, step
+
+
+def _narrowest(rows: RealArray, times: RealArray, step: RealArray, reach: RealArray) -> RealArray:
+    """Return the steps, within reach, of the narrowest bands that hold all points: rows and times (point, …)."""
+    low, high = step - reach, step + reach
+    # Golden sections to a thousandth of the interval.
+    for _ in range(16):
+        left, right = low + 0.382 * (high - low), low + 0.618 * (high - low)
+        lower = np.ptp(times - left * rows, axis=0) < np.ptp(times - right * rows, axis=0)
+        low, high = np.where(lower, low, left), np.where(lower, right, high)
+    return np.asarray((low + high) / 2)
 
 
 def missing_rows(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> RealArray | None:
@@ -54,21 +73,47 @@ def missing_rows(rows: RealArray, times: RealArray, quantum: Second, jitter: flo
 def _longest(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> tuple[int, int]:
     """Return the first point, and the one after the last, of the longest stretch that one line explains."""
     best, first = (0, 0), 0
-    while rows.size - first > best[1] - best[0]:
-        size = FEWEST_POINTS
-        while first + size < rows.size and _fits(rows, times, first, first + size, quantum, jitter):
-            size *= 2
-        fits, fails = size // 2, min(size, rows.size - first + 1)
-        while fails - fits > 1:
-            middle = (fits + fails) // 2
-            if _fits(rows, times, first, first + middle, quantum, jitter):
-                fits = middle
-            else:
-                fails = middle
-        if fits > best[1] - best[0]:
-            best = (first, first + fits)
-        first += max(fits, 1)
+    for begin in range(0, rows.size - FEWEST_POINTS + 1, AT_ONCE):
+        while first < begin + AT_ONCE:
+            longer = max(FEWEST_POINTS, best[1] - best[0] + 1)
+            # Only what may be longer than the longest is followed to its end.
+            size = min(longer, LONGEST_LOOK)
+            part = slice(max(first, begin), begin + AT_ONCE + size - 1)
+            starts = np.flatnonzero(_fits_each(rows[part], times[part], size, quantum, jitter)) + part.start
+            if starts.size == 0 or rows.size - starts[0] < longer:
+                break
+            first, after = int(starts[0]), _end(rows, times, int(starts[0]), size, quantum, jitter)
+            best, first = max(best, (first, after), key=lambda each: each[1] - each[0]), after
     return best
+
+
+def _fits_each(rows: RealArray, times: RealArray, size: int, quantum: Second, jitter: float) -> NDArray[np.bool_]:
+    """Return whether a line is narrow enough for so many points from each on, (point,) but the last ones."""
+    if rows.size < size:
+        return np.zeros(0, bool)
+    x, y = (sliding_window_view(each, size) for each in (rows, times))
+    x, y = x - np.mean(x, axis=1, keepdims=True), y - np.mean(y, axis=1, keepdims=True)
+    step = np.sum(x * y, axis=1) / np.sum(x * x, axis=1)
+    reach = _reach(step, np.ptp(x, axis=1), quantum, jitter)
+    # All points lie within half of the width from the centre of a band: the line of least squares is no further off.
+    near = 4 * np.mean((y - step[:, None] * x) ** 2, axis=1) <= _bands(step + reach, quantum, jitter, times) ** 2
+    step = _narrowest(x[near].T, y[near].T, step[near], reach[near])
+    near[near] = np.ptp(y[near].T - step * x[near].T, axis=0) <= _bands(step, quantum, jitter, times)
+    return np.asarray(near)
+
+
+def _end(rows: RealArray, times: RealArray, first: int, fits: int, quantum: Second, jitter: float) -> int:
+    """Return the point after the last one of a stretch that one line explains: so many points from the first fit."""
+    while first + 2 * fits < rows.size and _fits(rows, times, first, first + 2 * fits, quantum, jitter):
+        fits *= 2
+    fails = min(2 * fits, rows.size - first + 1)
+    while fails - fits > 1:
+        middle = (fits + fails) // 2
+        if _fits(rows, times, first, first + middle, quantum, jitter):
+            fits = middle
+        else:
+            fails = middle
+    return first + fits
 
 
 def _fits(rows: RealArray, times: RealArray, first: int, after: int, quantum: Second, jitter: float) -> bool:
