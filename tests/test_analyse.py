@@ -56,13 +56,13 @@ RECORDS = [
             "bicycle_pendulum_mat/BrowserForkCompoundFirst1.mat",
             "rizoit_seat3dof_sim/chirp.csv",
             "rizoit_seat3dof_sim/step50mm.csv",
+            "rizoit_seat3dof_sim/release.csv",
             "css_canedge_car_mf4/00000164_00000001-60FE3F04.MF4",
             "css_canedge_car_mf4/00000164_00000002-60FE415D.MF4",
             "css_canedge_car_mf4/stationary_2F6913DB_00000004_00000001.MF4",
             "pyuff_uff58_mps/MPSTD#Set001_2024_10_08_10_27_07.uff",
         )
     ],
-    DATA / "rizoit_seat3dof_sim" / "release.csv",
 ]
 
 
@@ -90,6 +90,7 @@ def test_library_commands_report_and_fleet_agree(path: Path, tmp_path: Path) -> 
     agree(path, tmp_path)
 
 
+@pytest.mark.slow
 def test_they_agree_on_a_decay_late_in_a_recording(tmp_path: Path) -> None:
     assert len(agree(late_bump(tmp_path / "bump.csv"), tmp_path)) == 3
 
@@ -226,7 +227,7 @@ class TestVerdict:
         stiff = replace(cars.PAPER, masses={**cars.PAPER.masses, "seat": 400.0})
         assert analyse(noisy, car=stiff).verdict.level < Level.SOUND
 
-    @pytest.mark.parametrize("held", [True, False])
+    @pytest.mark.parametrize("held", [pytest.param(True, marks=pytest.mark.slow), False])
     def test_defects_left_alone_call_for_care(self, held: bool, tmp_path: Path) -> None:
         decay = free_decay(cars.PAPER, np.arange(4000) / 400, initial_state={"v_tire": 1.0})
         signal = as_signal(add_noise(decay, snr_db=40.0, rng=np.random.default_rng(5)))
@@ -269,6 +270,7 @@ class TestSpringsFromTheRecord:
         record = self.ROW.record(np.random.default_rng(5))
         return analyse(record, car=self.ROW.nominal, settings=Settings(springs=springs))
 
+    @pytest.mark.slow
     def test_close_modes_are_estimated(self) -> None:
         found = self.found()
         assert found.estimate is not None

@@ -78,6 +78,7 @@ class TestFromRecordToSprings:
         assert mode["frequency_hz"] == pytest.approx(eigenmodes(read_car(CAR)).wn[1] / (2 * np.pi), rel=0.01)  # noise
 
     @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
+    @pytest.mark.slow
     def test_a_measured_structure(self, tmp_path: Path) -> None:
         file = DATA / "vibtest_inout_mat" / "case1.mat"
         result = run("identify", file, "--channel", "Time_chan_2", "--fs", 1280, "--json", tmp_path / "m.json")

@@ -152,6 +152,7 @@ class TestSprings:
         low, high = found.estimate.interval(0.9999)["chassis.damping"]
         assert low < 1300 < high
 
+    @pytest.mark.slow
     def test_a_car_that_lacks_something_ends_with_3(self, folder: Path) -> None:
         times, channels = drive(1, 45.0)
         other = 0.5 * np.roll(channels["tire_acceleration"], 26)

@@ -315,6 +315,7 @@ def test_limits_are_judged_and_stand_on_the_page(files: Path) -> None:
     assert "1 of 2 limits met, 1 not met" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_report_of_a_drive_that_comes_to_a_halt_leads_with_springs_and_dampers(files: Path) -> None:
     """A drive that dies down may be a decay; its bursts are poor ones, and the measured cause explains it all."""
     times = np.arange(0, 16, 0.01)

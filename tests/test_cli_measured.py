@@ -86,6 +86,7 @@ class TestFilesAsTheyCome:
         for said in ("rounded stamps", "missing", "sentinel", "Logger"):
             assert said in result.stderr, result.stderr
 
+    @pytest.mark.slow
     def test_a_phone_on_a_pushed_car(self, car: Suspension, tmp_path: Path) -> None:
         """Tilted by 12 degrees, gravity in it, stamps to a millisecond, half a minute before the first release."""
         times, motion = acceleration(car, 70.0, (31.2, 52.7))
@@ -244,6 +245,7 @@ class TestBadInput:
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs records made by others")
+@pytest.mark.slow
 class TestRecordsOfOthers:
     def test_a_measured_ring_down(self, tmp_path: Path) -> None:
         path = DATA / "vibtest_inout_mat" / "case1.mat"

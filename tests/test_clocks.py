@@ -161,10 +161,13 @@ class TestRows:
             read_clock(np.repeat(np.cumsum(np.random.default_rng(1).exponential(size=500)), 2), wave(stamps)[None])
 
 
+SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 10))]
+
+
 class TestJitter:
     """The same stamps: wrong if the samples are regular, right if the samples were taken then."""
 
-    @pytest.mark.parametrize("seed", range(10))
+    @pytest.mark.parametrize("seed", SEEDS)
     @pytest.mark.parametrize("rounding", [3, 9])
     def test_told_from_irregular_sampling_by_the_samples(self, seed: int, rounding: int) -> None:
         rng = np.random.default_rng(seed)
@@ -185,7 +188,7 @@ class TestJitter:
         assert kinds(clock) == ["jittering stamps"]
         assert "do not follow them" in clock.findings[0].text
 
-    @pytest.mark.parametrize("seed", range(10))
+    @pytest.mark.parametrize("seed", SEEDS)
     def test_rows_missing_among_jittering_stamps_are_counted(self, seed: int) -> None:
         rng = np.random.default_rng(seed)
         kept = np.delete(np.arange(3000), [50, 51, 1000, 2222])

@@ -188,6 +188,7 @@ class TestStatistics:
         # 2000 draws tell 5 % to 0.5 %, 20 % to 0.9 %.
         assert np.mean([rejected() for _ in range(2000)]) == pytest.approx(level, abs=0.018 if level < 0.1 else 0.03)
 
+    @pytest.mark.slow
     def test_stated_errors_and_misfit_are_those_of_repeated_noise(self) -> None:
         """The same drive with eight draws of noise; each has twelve nodes."""
         clean, law = motion("bilinear"), LAWS["bilinear"]
@@ -231,7 +232,7 @@ class TestResidual:
         inside = np.abs(apart) < 1.96 * np.hypot(curve.std, 2.0)[curve.velocities != 0]
         assert np.mean(inside) > 0.85
 
-    @pytest.mark.parametrize("seed", [3, 4, 5])
+    @pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 5))])
     def test_gusts_are_doubted_or_within_the_intervals(self, seed: int) -> None:
         """Forces of a tenth of a second: the strut moves with them, which looks like another stiffness."""
         noise = np.random.default_rng(seed).standard_normal(len(record("bilinear").time))
@@ -423,7 +424,7 @@ class TestNothingToTell:
         with pytest.raises(EstimationError, match=r"not even the sign .* sensor is wrong"):
             damper_curve(turned, CAR, strut="chassis", nodes=12)
 
-    @pytest.mark.parametrize("seed", [1, 2, 3])
+    @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
     def test_slow_forces_on_the_body(self, seed: int) -> None:
         """100 N from 1 to 3 Hz, which move the body: either the forces are near, and doubted, or nothing is said."""
         curve = None

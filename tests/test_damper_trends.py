@@ -47,6 +47,7 @@ class TestRates:
         assert np.mean([state is DamperState.GOOD for state in states]) > 0.97
         assert DamperState.WORN not in states
 
+    @pytest.mark.slow
     def test_at_the_edge_of_worn_the_rate_is_met(self) -> None:
         worn = []
         for seed in range(150):

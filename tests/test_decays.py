@@ -200,6 +200,7 @@ class TestDoubts:
             1.2 * EXACT[0] * np.sqrt(1 - ZETA[0] ** 2) / (2 * np.pi), rel=0.2
         )
 
+    @pytest.mark.slow
     def test_a_given_start_before_the_release_is_said(self) -> None:
         (decay,) = find_decays(released((11.0,)), given=[(10.9, 16.0)])
         assert decay.doubts
@@ -260,6 +261,7 @@ class TestResult:
         assert again[0].doubts == decays[0].doubts
         assert str(again) == str(decays)
 
+    @pytest.mark.slow
     def test_the_best_decay_decides_the_verdict(self) -> None:
         record = released((11.0,), seconds=20.0)
         sound, slow = find_decays(record), find_decays(record, given=[(11.0, 12.2)])
@@ -280,6 +282,7 @@ class TestResult:
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the data of others are not there")
+@pytest.mark.slow
 class TestRecordsOfOthers:
     def simulated(self, name: str) -> control.TimeResponseData:
         path = DATA / "rizoit_seat3dof_sim" / f"{name}.csv"

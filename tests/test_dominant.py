@@ -30,6 +30,7 @@ def test_a_mode_that_changes_with_time_is_one_doubtful_mode(
     assert ModeCheck.FOLLOWED in {check.remark.code for check in found.verdict.checks}
 
 
+@pytest.mark.slow
 def test_a_random_walk_turns_by_no_mode_or_a_doubtful_one() -> None:
     turns = 0
     for seed in range(12):

@@ -73,6 +73,7 @@ def rows(run: FleetRun, table: str) -> list[dict[str, Any]]:
 
 
 class TestWhatAnalyseSays:
+    @pytest.mark.slow
     def test_rows_are_those_of_analyse_on_each_file(self, fleet: Path, run: FleetRun) -> None:
         assert (run.records, run.failed, run.kept) == (COUNT, 0, 0)
         table = rows(run, "modes")
@@ -113,6 +114,7 @@ class TestWhatAnalyseSays:
 
 
 class TestSameBytes:
+    @pytest.mark.slow
     def test_whatever_the_number_of_workers(self, fleet: Path, run: FleetRun, tmp_path: Path) -> None:
         again = identify_many(fleet, output=tmp_path / "out", car=CAR, workers=2, chunk=CHUNK)
         assert content(again.output) == content(run.output)
@@ -135,6 +137,7 @@ class TestSameBytes:
         assert again.kept == COUNT - 2 * CHUNK
         assert content(tmp_path / "out") == content(run.output)
 
+    @pytest.mark.slow
     def test_a_stream_of_responses_goes_on_too(self, tmp_path: Path) -> None:
         def stream(count: int = 6, first: int = 0) -> Iterator[tuple[str, Any]]:
             for k in range(first, first + count):
@@ -335,6 +338,7 @@ class TestWhatIsRefused:
 
 
 class TestWhereRecordsComeFrom:
+    @pytest.mark.slow
     def test_folder_pattern_list_and_object_store_give_the_same_modes(self, fleet: Path, tmp_path: Path) -> None:
         import fsspec
 
@@ -354,6 +358,7 @@ class TestWhereRecordsComeFrom:
             found.append([(Path(r["record"]).name, r["sha256"], r["wn_rad_per_s"]) for r in rows(run, "modes")])
         assert all(one == found[0] for one in found[1:])
 
+    @pytest.mark.slow
     def test_what_changes_after_it_was_listed_is_said(self, tmp_path: Path) -> None:
         make_fleet(tmp_path / "in", 3)
         run = identify_many(tmp_path / "in", output=tmp_path / "out", workers=1)

@@ -240,6 +240,7 @@ class TestResumed:
 
 
 class TestOtherSources:
+    @pytest.mark.slow
     def test_samples_in_memory_and_the_body_alone(self, tmp_path: Path) -> None:
         times, channels = channels_of(CAR, 5, 230.0)
         body = as_response(times, channels["chassis_acceleration"][None], ("chassis_acceleration",))

@@ -75,6 +75,7 @@ def check_same(files: list[Path], folder: Path) -> None:
         assert set(mine[0]["doubts"]) == against
 
 
+@pytest.mark.slow
 def test_the_example(tmp_path: Path) -> None:
     check_same([ROOT / "examples" / "quarter_car.csv"], tmp_path)
 

@@ -34,6 +34,7 @@ if "fleet.children" in " ".join(sys.orig_argv):
 """
 
 
+@pytest.mark.slow
 def test_a_worker_that_holds_the_interpreter_is_ended_from_outside(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -261,6 +261,7 @@ class TestAWornDamper:
         identify_many(folder / "in", output=folder / "out", car=CAR, workers=2, settings=settings)
         return folder
 
+    @pytest.mark.slow
     def test_it_is_found_and_no_other(self, fleet: Path) -> None:
         summary = fleet_summary(fleet / "out", table=fleet / "vehicles.csv")
         falling = [t for t in summary.trends if t.changes and t.quantity.endswith("damping")]
@@ -388,6 +389,7 @@ class TestCommand:
         assert run(*arguments).exit_code == 2
 
     @pytest.mark.skipif(sys.platform == "win32", reason="there are no terminals of this kind")
+    @pytest.mark.slow
     def test_progress_on_a_terminal_alone(self, tmp_path: Path) -> None:
         make_fleet(tmp_path / "in", 4)
         (tmp_path / "in" / "bad.csv").write_text("")

@@ -236,6 +236,7 @@ class TestUncertainty:
             difference = (sides[0] - sides[1]) / (2 * (by_time + by_damping))
             np.testing.assert_allclose(slopes[row], difference, rtol=1e-5, atol=1e-4)
 
+    @pytest.mark.slow
     def test_standard_deviations_are_those_of_draws(self, found: Estimate) -> None:
         # Six times the deviations of the estimate are still small beside what bends the figures.
         wide = replace(found, covariance=36 * found.covariance)

@@ -89,7 +89,7 @@ class TestWithoutNoise:
         step = 2 * np.max(np.abs(values), axis=1, keepdims=True) / 2**bits
         self.assert_none_invented(found(time, step * np.round(values / step)).modes, eigenmodes(CARS[name]))
 
-    @pytest.mark.parametrize("decimals", [4, 6, 8, 11])
+    @pytest.mark.parametrize("decimals", [4, *(pytest.param(each, marks=pytest.mark.slow) for each in (6, 8)), 11])
     @pytest.mark.parametrize("name", CARS)
     def test_printed_decimals_invent_nothing(self, name: str, decimals: int) -> None:
         time, values = record(CARS[name])
@@ -249,6 +249,7 @@ class TestOverdamped:
             wn_std, _ = spread_of(modes)
             assert np.all(np.min(np.abs(modes.wn[:, None] - truth.wn) / wn_std[:, None], axis=1) < 4.5)
 
+    @pytest.mark.slow
     def test_a_stiff_damper(self) -> None:
         car = quarter_car(
             seat_mass=80, chassis_mass=320, tire_mass=40,

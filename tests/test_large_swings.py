@@ -35,6 +35,7 @@ def written(path: Path, amplitude: float) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_pendulum_has_one_mode_whose_frequency_falls_with_its_swing(tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "swing.csv", 1.6))
     assert len(found.modes) == 1

@@ -157,7 +157,9 @@ def test_a_command_that_is_wrong_names_the_next_step(line: str) -> None:
 
 
 @pytest.mark.parametrize("record", [RECORD, "late", "twice", "nameless"])
-@pytest.mark.parametrize("command", ["identify", "channels", "identify --decay whole"])
+@pytest.mark.parametrize(
+    "command", ["identify", "channels", pytest.param("identify --decay whole", marks=pytest.mark.slow)]
+)
 def test_a_command_speaks_of_its_options_alone(record: str, command: str, tmp_path: Path) -> None:
     path = tmp_path / f"{record}.csv"
     late = np.concatenate([1e-3 * np.sin(np.arange(150)), DECAY])

@@ -138,6 +138,7 @@ class TestDegreesOfFreedom:
             variances.append(np.mean(fit.squares / fit.freedom))
         assert np.mean(variances) == pytest.approx(1.0, abs=0.04)
 
+    @pytest.mark.slow
     def test_noise_std_of_an_identification_is_unbiased(self) -> None:
         k = np.arange(48)
         clean = 100 * np.real(np.exp((-0.03 + 0.4j) * k) + np.exp((-0.05 + 1.3j) * k))
@@ -146,6 +147,7 @@ class TestDegreesOfFreedom:
         # 9 of 48 samples are spent: over all samples the mean would be 0.81.
         assert np.mean([one.noise_std[0] ** 2 for one in found]) == pytest.approx(1.0, abs=0.09)
 
+    @pytest.mark.slow
     def test_noise_std_of_repeats_is_unbiased(self) -> None:
         k = np.arange(40)
         clean = 100 * np.real(np.exp((-0.04 + 0.5j) * k) + np.exp((-0.06 + 1.4j) * k))

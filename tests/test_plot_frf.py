@@ -167,6 +167,7 @@ def test_the_page_draws_gain_and_phase_of_every_channel_that_is_moved(drive: Est
     assert report(drive).count("Phase of the frequency response") == 1
 
 
+@pytest.mark.slow
 def test_the_page_says_what_numbers_are(rig: Estimate, drive: Estimate) -> None:
     """Every noise has the unit of its channel; gain and delay of sensors are explained where there are any."""
     for found in (rig, drive):

@@ -326,6 +326,7 @@ class TestUncertainty:
         # The rms of 60 standard normal numbers has a standard deviation of 0.09: four of them.
         np.testing.assert_allclose(rms, 1.0, atol=0.37, err_msg="errors over their predicted standard deviation")
 
+    @pytest.mark.slow
     def test_weights_beat_no_weights(self) -> None:
         """One shape 100 times worse than the others: only the covariance tells."""
         car, rng = heavy_car(), np.random.default_rng(4)

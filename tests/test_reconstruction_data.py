@@ -107,6 +107,7 @@ class TestExactModesGiveExactParameters:
     def test_two_sensors_of_a_half_car(self, outputs: list[str]) -> None:
         assert error(reconstruct(seen(HALF, outputs), nominal(HALF)).suspension, HALF) < 1e-9
 
+    @pytest.mark.slow
     def test_four_sensors_of_a_full_car(self) -> None:
         """From a nominal car that is 30 % off, but no more lopsided than cars are."""
         outputs = ["heave_acceleration", "pitch", "roll", "front_left_travel"]

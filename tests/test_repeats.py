@@ -65,6 +65,7 @@ class TestBound:
         np.testing.assert_allclose(found.wn_std, wn_std, rtol=0.1)
         np.testing.assert_allclose(found.zeta_std, zeta_std, rtol=0.1)
 
+    @pytest.mark.slow
     def test_errors_are_those_of_the_bound(self) -> None:
         std, truth = 3e-4, eigenmodes(cars.PAPER)
         clean, scores = decays(), []
@@ -96,6 +97,7 @@ class TestBound:
         size = np.sqrt(np.diag(found.modes.covariance) / found.loudness[0])
         np.testing.assert_allclose(size[[0, 1, 4, 5]], std[[0, 1, 4, 5]], rtol=0.02)
 
+    @pytest.mark.slow
     def test_shapes_keep_their_intervals(self) -> None:
         truth, clean, scores = eigenmodes(cars.PAPER), decays(), []
         assert truth.shapes is not None

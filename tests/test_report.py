@@ -575,7 +575,7 @@ class TestWhatIsThere:
         assert "real" in found.modes.kinds
         assert "overdamped: one real pole" in Page(report(found)).text
 
-    @pytest.mark.parametrize("count", [1, 12, 30])
+    @pytest.mark.parametrize("count", [1, 12, pytest.param(30, marks=pytest.mark.slow)])
     def test_any_number_of_channels(self, count: int) -> None:
         names = tuple(f"channel {k}" for k in range(count))
         found = identify(renamed(paper_record(duration=4.0), names), candidates=[4.0])

@@ -276,6 +276,7 @@ class TestColours:
         result.page.close()
 
 
+@pytest.mark.slow
 class TestPaper:
     def test_it_prints(self, browser: Browser, file: Path) -> None:
         result = shown(browser, file, width=1280, scheme="dark")

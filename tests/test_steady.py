@@ -127,10 +127,10 @@ def hour() -> control.TimeResponseData:
 QUICK_RECORDINGS: dict[str, Callable[[], control.TimeResponseData]] = {
     "example": QUICK["example"],
     "friction, held": lambda: rig("friction", 1, held=True),
-    "friction, two masses": lambda: rig("friction", 2, held=True),
-    "bilinear, held": lambda: rig("bilinear", 1, held=True),
 }
 SLOW_RECORDINGS: dict[str, Callable[[], control.TimeResponseData]] = {
+    "friction, two masses": lambda: rig("friction", 2, held=True),
+    "bilinear, held": lambda: rig("bilinear", 1, held=True),
     "cubic, held": lambda: rig("cubic", 1, held=True),
     "cubic, two masses": lambda: rig("cubic", 2, held=True),
     "bumps at rest": bumps(quantity="displacement", rolling=0.0, snr_db=40.0),

@@ -33,6 +33,7 @@ def people_in_a_parked_car(seed: int) -> tuple[RealArray, RealArray]:
     return np.arange(3000) / 100, np.round(values * 4 + 0.05 * rng.standard_normal(values.shape)) / 4
 
 
+@pytest.mark.slow
 def test_one_of_many_events_that_looks_like_a_short_decay_is_a_coincidence() -> None:
     time, values = people_in_a_parked_car(2)
     found = analyse(as_response(time, values, ["x", "z"]))

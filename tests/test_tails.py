@@ -48,7 +48,9 @@ def signal(values: Real) -> Signal:
     return Signal(start=0.0, step=1 / FS, values=values[None], channels=("seat",))
 
 
-@pytest.mark.parametrize(("force", "seed"), [(rolling, 2), (rolling, 7), (swept, 5)])
+@pytest.mark.parametrize(
+    ("force", "seed"), [(rolling, 2), pytest.param(rolling, 7, marks=pytest.mark.slow), (swept, 5)]
+)
 def test_the_first_command_finds_the_free_end(force: Callable[[int], Real], seed: int) -> None:
     found = analyse(as_response(TIME, motion(force(seed))[None], ["seat"]))
     start = as_signal(found.identification.residual).start

@@ -65,7 +65,7 @@ class TestDerivatives:
 
 
 class TestFronts:
-    @pytest.mark.parametrize("figure", ["tire.adhesion", "tire.phase"])
+    @pytest.mark.parametrize("figure", ["tire.adhesion", pytest.param("tire.phase", marks=pytest.mark.slow)])
     def test_no_car_of_a_grid_beats_it(self, figure: str) -> None:
         found = tune(CAR, objective=(COMFORT, figure), road="C", speed=20.0, bounds=BOUNDS, points=5)
         assert np.all(np.diff(found.values, axis=0) > 0)  # what is more grip costs comfort

@@ -65,7 +65,9 @@ def share(states: list[DamperState], state: DamperState) -> float:
 class TestErrorRates:
     """The rates that are stated, with the drives as assumed; on the edge of what is asked the rate is met, not zero."""
 
-    @pytest.mark.parametrize("setting", [{}, {"nominal": True}, {"history": 3}, {"history": 8}])
+    @pytest.mark.parametrize(
+        "setting", [{}, {"nominal": True}, {"history": 3}, pytest.param({"history": 8}, marks=pytest.mark.slow)]
+    )
     def test_at_the_edge_of_worn_and_of_good(self, setting: dict[str, bool | int]) -> None:
         # A large rate, so that few draws tell whether it is met: half of it is for the loss, half for the phase.
         rule, count = WearRule(rate=0.1), 2000
