@@ -44,6 +44,8 @@ from validation import cars
 from validation.greybox_bounds import value_of
 from validation.greybox_rows import rows
 
+pytestmark = pytest.mark.usefixtures("words_alone")
+
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
 EXAMPLE = ROOT / "examples" / "quarter_car.csv"

@@ -24,6 +24,8 @@ from suspid.words import EstimateCheck, Note
 from suspid.words.grip import GripCheck
 from suspid.words.ride import RideCheck
 
+pytestmark = pytest.mark.usefixtures("words_alone")
+
 M, MU, K, C, KT = 330.0, 38.0, 19e3, 1450.0, 185e3
 NOMINAL = quarter_car(
     chassis_mass=M, tire_mass=MU, chassis_stiffness=1.4 * K, tire_stiffness=0.75 * KT, chassis_damping=0.7 * C

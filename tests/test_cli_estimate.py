@@ -15,6 +15,8 @@ from suspid import add_noise, analyse, free_decay, quarter_car, read_car, simula
 from suspid.cli.main import main
 from suspid.reporting import json_schema
 
+pytestmark = pytest.mark.usefixtures("words_alone")
+
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=40
 )

@@ -25,6 +25,8 @@ from suspid.records import as_response
 from suspid.signals import as_signal
 from suspid.words import LeftOut, Remark
 
+pytestmark = pytest.mark.usefixtures("words_alone")
+
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT.parent / "shared" / "data"
 RECORD = ROOT / "examples" / "quarter_car.csv"

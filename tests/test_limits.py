@@ -131,6 +131,7 @@ class TestFiles:
         assert str(path) in str(error.value)
 
 
+@pytest.mark.usefixtures("words_alone")
 class TestReport:
     def test_page_json_and_terminal_agree(self, tmp_path: Path) -> None:
         import json
