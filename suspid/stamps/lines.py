@@ -12,7 +12,7 @@ from suspid.units import RealArray, Second
 # Points that a line must fit before anything is concluded from it; fewer fit by chance.
 FEWEST_POINTS = 12
 # Points from which lines are sought in one step, and the most points of those lines: more take memory.
-AT_ONCE, LONGEST_LOOK = 1000, 48
+LINES_AT_ONCE, LONGEST_LOOK = 1000, 48
 
 
 def band(step: Second, quantum: Second, jitter: float, times: RealArray) -> Second:
@@ -73,12 +73,12 @@ def missing_rows(rows: RealArray, times: RealArray, quantum: Second, jitter: flo
 def _longest(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> tuple[int, int]:
     """Return the first point, and the one after the last, of the longest stretch that one line explains."""
     best, first = (0, 0), 0
-    for begin in range(0, rows.size - FEWEST_POINTS + 1, AT_ONCE):
-        while first < begin + AT_ONCE:
+    for begin in range(0, rows.size - FEWEST_POINTS + 1, LINES_AT_ONCE):
+        while first < begin + LINES_AT_ONCE:
             longer = max(FEWEST_POINTS, best[1] - best[0] + 1)
             # Only what may be longer than the longest is followed to its end.
             size = min(longer, LONGEST_LOOK)
-            part = slice(max(first, begin), begin + AT_ONCE + size - 1)
+            part = slice(max(first, begin), begin + LINES_AT_ONCE + size - 1)
             starts = np.flatnonzero(_fits_each(rows[part], times[part], size, quantum, jitter)) + part.start
             if starts.size == 0 or rows.size - starts[0] < longer:
                 break
