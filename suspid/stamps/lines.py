@@ -25,7 +25,7 @@ def _bands(step: RealArray, quantum: Second, jitter: float, times: RealArray) ->
 
 
 def _reach(step: RealArray, span: RealArray, quantum: Second, jitter: float) -> RealArray:
-    """Return how far from the step of least squares through so many rows that of the narrowest band is sought."""
+    """Return how far from the step of least squares through that span of rows, that of the narrowest band is sought."""
     return np.asarray(2 * (np.minimum(quantum, step) + jitter * step) / span)
 
 
@@ -88,7 +88,7 @@ def _longest(rows: RealArray, times: RealArray, quantum: Second, jitter: float) 
 
 
 def _fits_each(rows: RealArray, times: RealArray, size: int, quantum: Second, jitter: float) -> NDArray[np.bool_]:
-    """Return whether a line is narrow enough for so many points from each on, (point,) but the last ones."""
+    """Return whether a line is narrow enough for that number of points from each on, (point,) but the last ones."""
     if rows.size < size:
         return np.zeros(0, bool)
     x, y = (sliding_window_view(each, size) for each in (rows, times))
@@ -103,7 +103,7 @@ def _fits_each(rows: RealArray, times: RealArray, size: int, quantum: Second, ji
 
 
 def _end(rows: RealArray, times: RealArray, first: int, fits: int, quantum: Second, jitter: float) -> int:
-    """Return the point after the last one of a stretch that one line explains: so many points from the first fit."""
+    """Return the point after the last one of a stretch that one line explains, of whose points the first ones fit."""
     while first + 2 * fits < rows.size and _fits(rows, times, first, first + 2 * fits, quantum, jitter):
         fits *= 2
     fails = min(2 * fits, rows.size - first + 1)
