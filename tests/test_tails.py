@@ -1,6 +1,7 @@
 """Records that are driven and then left alone: the free end is found, whatever drove it."""
 
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from scipy.signal import butter, lfilter, sosfilt
 
 from suspid import analyse, find_decays, identify
 from suspid.analysis.forced_start import later_starts
+from suspid.decays import tails
 from suspid.decays.envelopes import finest
 from suspid.decays.tails import free_end
+from suspid.decays.trials import BLOCKS_A_CYCLE
 from suspid.identification.ascent import Quadratic
 from suspid.records import as_response
 from suspid.signals import Signal, as_signal
@@ -77,6 +80,75 @@ def test_what_is_driven_to_its_end_has_no_free_end() -> None:
     for seed in range(6):
         values = motion(rolling(seed))[~FREE]
         assert not [d for d in find_decays(as_response(TIME[~FREE], values[None], ["seat"])) if not d.doubts]
+
+
+class TestSearch:
+    """Which end is taken, where what is said of each depends on its length alone: of 2000 samples."""
+
+    VALUES = np.random.default_rng(1).standard_normal((1, COUNT))
+
+    def end(
+        self,
+        monkeypatch: pytest.MonkeyPatch,
+        poles: Callable[[int], int],
+        *,
+        by: str = "tried",
+        blocks: float = 1e6,
+        values: Real = VALUES,
+    ) -> tuple[int, int] | None:
+        """Return the free end. An end without poles is not free, as one of the tests says."""
+
+        def tried(part: Real, *, size: int, least: Real, **_: object) -> object:
+            # The rounding error of a mean over several samples.
+            assert least == pytest.approx(1e-6 / size)
+            count = poles(part.shape[1])
+            if not count and by == "tried":
+                return None
+            return SimpleNamespace(poles=count or 2, residual=np.zeros((1, round(blocks * (count or 2)))), free=count)
+
+        monkeypatch.setattr(tails, "tried", tried)
+        monkeypatch.setattr(
+            tails, "clearly_driven", lambda part, **_: by == "clearly_driven" and not poles(part.shape[1])
+        )
+        monkeypatch.setattr(tails, "refused", lambda trial: "reason" if by == "refused" and not trial.free else None)
+        monkeypatch.setattr(tails, "fits", lambda trial: by != "fits" or trial.free > 0)
+        return free_end(signal(values[0]), np.array([1e-3]))
+
+    @pytest.mark.parametrize("by", ["tried", "clearly_driven", "refused", "fits"])
+    @pytest.mark.parametrize("length", [200, 777, 1150, 1990])
+    def test_the_longest_free_end_is_found_to_a_percent(
+        self, length: int, by: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        found = self.end(monkeypatch, lambda own: 2 if own <= length else 0, by=by)
+        assert found is not None
+        first, last = found
+        assert last == COUNT
+        assert 0.99 * length <= last - first <= length
+
+    def test_one_free_end_alone_is_chance(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        assert self.end(monkeypatch, lambda own: 2 if 110 < own < 130 else 0) is None
+
+    def test_of_two_runs_the_longer_ends_are_taken(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Three ends each."""
+        found = self.end(monkeypatch, lambda own: 2 if 150 < own < 260 or 580 < own < 950 else 0)
+        assert found is not None
+        assert 930 < found[1] - found[0] < 950
+
+    def test_a_pole_that_the_longest_end_alone_needs_follows_the_force(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        found = self.end(monkeypatch, lambda own: 2 if own <= 800 else 4 if own <= 1000 else 0)
+        assert found is not None
+        assert 0.99 * 800 <= found[1] - found[0] <= 800
+
+    @pytest.mark.parametrize(("cycles", "enough"), [(2.9, False), (3.0, True)])
+    def test_each_pole_needs_three_cycles(self, cycles: float, enough: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+        found = self.end(monkeypatch, lambda _: 2, blocks=cycles * BLOCKS_A_CYCLE)
+        assert (found is not None) is enough
+
+    def test_it_ends_where_all_channels_are_at_rest(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        still = np.where(np.arange(COUNT) < 1500, self.VALUES, 0.0)
+        found = self.end(monkeypatch, lambda _: 2, values=still)
+        assert found is not None
+        assert abs(found[1] - 1500) <= 1
 
 
 def test_noise_has_no_free_end() -> None:

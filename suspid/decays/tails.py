@@ -10,7 +10,7 @@ import numpy as np
 from suspid.decays.predictions import at_rest_from, frequencies
 from suspid.decays.refusals import fits, refused
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
-from suspid.decays.trials import Trial, block_size, tried
+from suspid.decays.trials import BLOCKS_A_CYCLE, Trial, block_size, tried
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal
 from suspid.units import RealArray
@@ -25,7 +25,7 @@ IN_A_ROW = 2
 # Pairs of poles that are sought: a free end has few. More follow forced motion, and take most of the time.
 END_PAIRS = 6
 # Blocks that each of them needs, three cycles of the highest one: more poles follow short forced motions by chance.
-BLOCKS_A_POLE = 24
+BLOCKS_A_POLE = 3 * BLOCKS_A_CYCLE
 
 
 def free_end(signal: Signal, finest: RealArray) -> tuple[int, int] | None:
