@@ -22,7 +22,8 @@ from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
 from suspid.cleaning.quantities import MOTION_OF_UNIT, derivative_order, named_quantity
 from suspid.cleaning.read_record import read_record
-from suspid.cleaning.sensors import Vertical, vertical
+from suspid.cleaning.vertical import vertical
+from suspid.cleaning.verticals import Vertical
 
 __all__ = [
     "CLIPPED",

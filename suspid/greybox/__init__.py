@@ -12,7 +12,8 @@ With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire
 `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
 
-from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
+from suspid.greybox.body_mode import BodyMode, BodyModes
+from suspid.greybox.body_modes import body_modes
 from suspid.greybox.by_cause import estimate_by_cause
 from suspid.greybox.car_records import nameless_forces
 from suspid.greybox.causes import likely_causes
@@ -26,8 +27,8 @@ from suspid.greybox.estimate_tables import nominal_value, parameter_table, param
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.find_drives import find_drives
 from suspid.greybox.line_test import LineTest
+from suspid.greybox.record_test import RecordTest
 from suspid.greybox.roads import RoadEstimate
-from suspid.greybox.trials import RecordTest
 from suspid.greybox.wheels import body_channels, wheels_missing, wheels_of
 
 __all__ = [

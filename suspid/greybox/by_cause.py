@@ -12,7 +12,7 @@ from suspid.greybox.car_records import record_of_car
 from suspid.greybox.causes import likely_causes, swells, under
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fitted_car import Asked, fitted_car
-from suspid.greybox.trials import RecordTest
+from suspid.greybox.record_test import RecordTest
 from suspid.model import Suspension
 from suspid.signals import as_signal
 from suspid.threads import in_one_thread

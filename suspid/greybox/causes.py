@@ -10,7 +10,8 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.greybox.car_records import record_of_car
-from suspid.greybox.trials import RecordTest, given_names
+from suspid.greybox.record_test import RecordTest
+from suspid.greybox.trials import given_names
 from suspid.greybox.wheels import wheels_missing
 from suspid.greybox.whiteness import portmanteau
 from suspid.levels import likely

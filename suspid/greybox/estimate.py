@@ -9,8 +9,8 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fitted_car import Asked, fitted_car
+from suspid.greybox.record_test import RecordTest
 from suspid.greybox.rolling import Speed
-from suspid.greybox.trials import RecordTest
 from suspid.model import Suspension
 from suspid.reconstruction import Bounds
 from suspid.threads import in_one_thread

@@ -20,9 +20,10 @@ from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.onset import from_onset
 from suspid.greybox.parameter_ends import Spread, changed
 from suspid.greybox.problem import Problem, default_holds
+from suspid.greybox.record_test import RecordTest
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
 from suspid.greybox.time_domain import fit_in_time
-from suspid.greybox.trials import RecordTest, Trial, trials_of
+from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
 from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from suspid.cleaning import as_record
 from suspid.errors import InputError
-from suspid.greybox.trials import RecordTest, Trial, records_of
+from suspid.greybox.record_test import RecordTest
+from suspid.greybox.trials import Trial, records_of
 from suspid.signals import as_signal
 from suspid.units import Metre, MetrePerSecond, RealArray
 from suspid.values import frozen_real, listed, nearest_names

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning import RecordLike
 from suspid.errors import InputError, RecordError
 from suspid.greybox.car_records import example, force_names, record_of_car, renaming
+from suspid.greybox.record_test import RecordTest
 from suspid.greybox.wheels import wheels_of
 from suspid.identification import WhiteNoise, resolution
 from suspid.io import bare_name
-from suspid.model import FORCE, Suspension, added_masses, force_weights, output_weights
+from suspid.model import FORCE, Suspension, force_weights, output_weights
 from suspid.signals import Signal, as_signal
-from suspid.units import Kilogram, RealArray, Second
+from suspid.units import RealArray, Second
 from suspid.values import frozen_real, likely_names, listed, nearest_names
 from suspid.wording import Argument, AtCommandLine
 
@@ -27,44 +27,6 @@ if TYPE_CHECKING:
 # How an input moves between two samples: as the last one, on a straight line, on a cubic spline.
 Hold = Literal["zero", "linear", "cubic"]
 HOLDS: tuple[Hold, ...] = ("cubic", "linear", "zero")
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class RecordTest:
-    """One record of a suspension in a test, with what was done in that test.
-
-    Parameters
-    ----------
-    record : control.TimeResponseData, or what `as_record` takes
-        Measured motions as outputs, causes as inputs or outputs.
-    given : sequence of str, optional
-        Causes in this test, if not those of all tests; see `estimate`.
-    added_masses : mapping of str to float
-        Mass [kg] (or moment of inertia [kg m2]) added at each coordinate, such as a driver or a bag of sand.
-    logger : str, optional
-        What recorded it. Where motion is given, records of one logger, such as stretches of one drive, share gains,
-        delays and noise levels. Default: each record has its own.
-
-    Raises
-    ------
-    InputError
-        If an added mass is not a finite number >= 0.
-
-    Examples
-    --------
-    >>> t = np.arange(0, 2, 0.01)
-    >>> loaded = RecordTest(record=(t, np.cos(9 * t)), added_masses={"chassis": 75.0})
-    >>> loaded.added_masses["chassis"]
-    75.0
-    """
-
-    record: RecordLike
-    given: Sequence[str] | None = None
-    added_masses: Mapping[str, Kilogram] = field(default_factory=dict)
-    logger: str | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "added_masses", added_masses(self.added_masses))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
