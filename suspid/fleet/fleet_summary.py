@@ -33,6 +33,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+# Letters of an example of a failure: its next step comes last.
+LONGEST_EXAMPLE = 300
+
+
 @explained
 def fleet_summary(
     folder: str | os.PathLike[str],
@@ -158,7 +162,7 @@ def _failures(folder: Path) -> tuple[FailureCount, ...]:
     examples: dict[tuple[str, str], str] = {}
     for record, step, code, reason in zip(*(table[name] for name in names), strict=True):
         counts[step, code] += 1
-        examples.setdefault((step, code), textwrap.shorten(f"{record}: {reason}", 100, placeholder=" …"))
+        examples.setdefault((step, code), textwrap.shorten(f"{record}: {reason}", LONGEST_EXAMPLE, placeholder=" …"))
     return tuple(
         FailureCount(step=Step(step), code=Failure(code), count=count, example=examples[step, code])
         for (step, code), count in sorted(counts.items(), key=lambda one: (-one[1], one[0]))

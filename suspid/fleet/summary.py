@@ -18,6 +18,7 @@ from suspid.fleet.summary_text import (
     trends_in_words,
     verdict_table,
     wear_table,
+    with_examples,
 )
 from suspid.fleet.trends import Trend
 from suspid.model import Suspension
@@ -190,9 +191,11 @@ class FleetSummary(Result):
             columns = {
                 "failed at": [f"{one.step}: {one.code}" for one in self.failures],
                 "records": [str(one.count) for one in self.failures],
-                "such as": [one.example for one in self.failures],
             }
-            parts.append(text_table(columns) + "\nThe table of failures lists all of them with their reasons.")
+            examples = [one.example for one in self.failures]
+            parts.append(
+                f"{with_examples(columns, examples)}\nThe table of failures lists all of them with their reasons."
+            )
         if self.verdicts:
             parts.append(verdict_table(self.verdicts, self.doubts, self.said))
         if self.wear:

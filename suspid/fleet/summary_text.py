@@ -35,13 +35,27 @@ def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int], said: 
         return levels
     shown = list(doubts.items())[:MOST_SHOWN]
     names = {"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]}
-    examples = [[*wrap(said.get(code, ""), SENTENCE)] or [""] for code, _ in shown]
-    long = {
-        name: [cell for text, own in zip(column, examples, strict=True) for cell in (text, *[""] * (len(own) - 1))]
-        for name, column in names.items()
-    }
-    table = text_table({**long, "such as": [line for own in examples for line in own]}, words=["such as"])
+    table = with_examples(names, [said.get(code, "") for code, _ in shown])
     return f"{levels}\n\n{table}{more_than_shown(len(doubts))}"
+
+
+def with_examples(columns: Mapping[str, Sequence[str]], examples: Sequence[str]) -> str:
+    """Return a table with a sentence beside each row, on lines of its own within a terminal.
+
+    Examples
+    --------
+    >>> print(with_examples({"records": ["3"]}, ["seat.csv: contains no row of numbers; a record has at least two"]))
+      records  such as
+    ---------  -----------------------------------------------------------
+            3  seat.csv: contains no row of numbers; a record has at least
+               two
+    """
+    lines = [wrap(one, SENTENCE) or [""] for one in examples]
+    long = {
+        name: [cell for text, own in zip(column, lines, strict=True) for cell in (text, *[""] * (len(own) - 1))]
+        for name, column in columns.items()
+    }
+    return text_table({**long, "such as": [line for own in lines for line in own]}, words=["such as"])
 
 
 def wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:

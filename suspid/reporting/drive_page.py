@@ -15,6 +15,7 @@ from suspid.reporting.numerals import NOTHING
 from suspid.reporting.pictures import Picture, picture
 from suspid.reporting.plot_drive import draw_finding, draw_stretches
 from suspid.reporting.svg import page_style
+from suspid.units import in_print
 from suspid.words import Verdict, count
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def _body_table(found: BodyModes, level: Ratio) -> FleetTable:
 def _stretches(drives: Drives) -> FleetTable:
     headings = (
         *(Heading(text=text, number=True) for text in ("start [s]", "stop [s]", "speed [m/s]")),
-        Heading(text="", number=False),
+        Heading(text="use", number=False),
         Heading(text="because", number=False),
     )
     rows = tuple(
@@ -109,7 +110,7 @@ def _stretches(drives: Drives) -> FleetTable:
             f"{one.stop:.6g}",
             NOTHING if np.isnan(one.speed) else f"{one.speed:.3g}",
             "taken" if one.taken else "left",
-            printable("; ".join(map(str, one.reasons))),
+            in_print(printable("; ".join(map(str, one.reasons)))),
         )
         for one in drives
     )

@@ -15,6 +15,11 @@ def _channels(numbers: Mapping[str, Number]) -> str:
     return f"{', '.join(map(repr, names[:MOST_NAMED]))} and {len(names) - MOST_NAMED} others"
 
 
+def _speeds(numbers: Mapping[str, Number]) -> str:
+    low, high = (f"{float(str(numbers[end])):.3g}" for end in ("low", "high"))
+    return low if low == high else f"{low} to {high}"
+
+
 def _listed(numbers: Mapping[str, Number]) -> str:
     names = numbers["names"]
     assert isinstance(names, tuple)
@@ -37,7 +42,7 @@ def _none(numbers: Mapping[str, Number]) -> str:
 class DriveReason(Code):
     """Why a stretch of a drive was taken or left."""
 
-    MOVING = "moving", "moving at {low:.3g} to {high:.3g} m/s"
+    MOVING = "moving", sentence(lambda n: f"moving at {_speeds(n)} m/s")
     VIBRATING = "vibrating", "moving (vibration {level:.2g} m/s2)"
     MISSING = "missing", sentence(lambda n: f"samples missing in {_channels(n)}")
     CLIPPED = "clipped", sentence(lambda n: f"{_channels(n)} clipped")
