@@ -17,8 +17,10 @@ import pytest
 from scipy.io import wavfile
 
 from suspid import (
+    InputError,
     ModalSet,
     RecordError,
+    Settings,
     SuspidError,
     add_noise,
     analyse,
@@ -43,9 +45,9 @@ from suspid import (
     ride,
     road_profile,
     simulate,
+    stabilization,
     statespace,
 )
-from suspid.errors import InputError
 from validation import cars
 
 FS = 200.0
@@ -223,6 +225,18 @@ def test_plain_vectors_are_taken_with_their_rate() -> None:
     assert np.array_equal(cwt(VALUES[0], fs=FS).omega, cwt(record).omega)
     assert best_bandwidth(VALUES[0], fs=FS).best == best_bandwidth(record).best
     assert [one.omega for one in find_ridges(VALUES[0], fs=FS)] == [one.omega for one in find_ridges(record)]
+    assert [one.start for one in find_decays(VALUES[0], fs=FS)] == [one.start for one in find_decays(record)]
+    assert np.array_equal(stabilization(VALUES[0], fs=FS).poles[0], stabilization(record).poles[0])
+    whole = analyse(VALUES[0], settings=Settings(fs=FS))
+    assert np.array_equal(whole.modes.poles, analyse(record).modes.poles)
+    with pytest.raises(InputError, match="a clock already"):
+        analyse(record, settings=Settings(fs=FS))
+
+
+def test_a_response_without_a_title_is_described_by_its_samples() -> None:
+    found = identify(control.initial_response(control.tf2ss([1.0], [1.0, 2.0, 400.0]), TIME, [1.0, 0.0]), modes=1)
+    assert repr(found).endswith("1 channel: y[0]>")
+    assert "object at" not in repr(found)
 
 
 def test_transfer_functions_have_modes() -> None:

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 
 import suspid
 from suspid import (
+    BodyMode,
+    BodyModes,
     ModalSet,
     RawChannel,
     Recording,
@@ -22,6 +24,7 @@ from suspid import (
     analyse_drive,
     best_bandwidth,
     classify_road,
+    clean,
     compare,
     cwt,
     damper_curve,
@@ -105,6 +108,11 @@ def results() -> dict[str, Any]:
         "repeats": identify_repeats([RECORD, RECORD]),
         "analysis": analyse(RECORD),
         "decays": find_decays(RECORD),
+        "cleaned": clean(recording),
+        "body": BodyModes(
+            modes=(BodyMode(channel="seat", hertz=1.2, models=((1.15, 0.02), (1.25, 0.02)), zetas=(0.2, 0.4)),),
+            seconds=300.0,
+        ),
         "comparison": compare(found.modes, eigenmodes(cars.PAPER), rtol=0.05),
         "reconstruction": reconstruct(found.modes, cars.PAPER),
         "estimate": springs,
@@ -214,6 +222,10 @@ def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
     assert np.array_equal(curve["velocity_m_per_s"], results["curve"].velocities)
     assert np.array_equal(curve["force_n"], results["curve"].totals)
     assert results["drive"].to_pandas().equals(results["drive"].estimate.to_pandas())
+    (row,) = results["body"].to_pandas().to_dict("records")
+    assert (row["channel"], row["hertz"]) == ("seat", 1.2)
+    assert row["low_hz"] == pytest.approx(1.15 - 1.959964 * 0.02)
+    assert len(results["cleaned"].to_pandas()) == len(results["cleaned"].findings)
     with pytest.raises(InputError, match="no table"):
         results["scalogram"].to_pandas()
 

@@ -44,7 +44,7 @@ def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Sett
     elif isinstance(source, Recording):
         recording, name = source, source.title
     else:
-        source = as_record(source)
+        source, settings = _sampled(source, settings)
         _refuse_clock(settings)
         cleaned, done = _as_wanted(_chosen(source, settings), settings)
         return Read(recording=None, cleaned=cleaned, notes=done)
@@ -105,6 +105,16 @@ def channel_named(name: str, channels: Sequence[str]) -> str:
     if len(short) != 1:
         raise RecordError(f"there is no channel {name!r}.{nearest_names(name, [*channels, *map(bare_name, channels)])}")
     return short[0]
+
+
+def _sampled(source: RecordLike, settings: Settings) -> tuple[control.TimeResponseData, Settings]:
+    """Return samples as a response, and the settings that are left; those without a time have the rate given."""
+    try:
+        return as_record(source), settings
+    except RecordError:
+        if settings.fs is None:
+            raise
+    return as_record(source, fs=settings.fs), replace(settings, fs=None)
 
 
 def _refuse_clock(settings: Settings) -> None:

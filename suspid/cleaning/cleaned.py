@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,15 +10,18 @@ from tabulate import tabulate
 
 from suspid.cleaning.findings import Finding
 from suspid.files import printable
-from suspid.samples import AsResponse
+from suspid.results import Result, columns_of
+from suspid.samples import AsResponse, held
+from suspid.signals import as_signal
+from suspid.values import samples_in_words
 from suspid.words import Cleaning, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Cleaned:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Cleaned(Result):
     """A usable record, and the defects that were found and repaired.
 
     Parameters
@@ -65,6 +69,14 @@ class Cleaned:
         if self.findings:
             headline = Remark(Cleaning.REPAIRED, {"repaired": repaired, "left": len(self.findings) - repaired})
         return Verdict(headline, tuple(finding.check for finding in self.findings))
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        names = ["kind", "channel", "start", "stop", "samples", "repaired", "text"]
+        return {**columns_of(self.findings, names), "kind": [str(finding.kind) for finding in self.findings]}
+
+    def _brief(self) -> str:
+        record = as_signal(held(self, "record"))
+        return f"{self.verdict.headline}; {samples_in_words(record.timepts, record.channels)}"
 
     def __str__(self) -> str:
         if not self.findings:

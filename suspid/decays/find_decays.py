@@ -21,7 +21,7 @@ from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
 from suspid.threads import in_one_thread
-from suspid.units import Second
+from suspid.units import Hertz, Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
 
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
@@ -33,7 +33,9 @@ FEW_BURSTS = 4
 
 @explained
 @in_one_thread
-def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
+def find_decays(
+    response: RecordLike, *, fs: Hertz | None = None, given: Sequence[tuple[Second, Second]] | None = None
+) -> Decays:
     """Return the free decays in a recording, the best first.
 
     Each channel is split into octave bands; an event is a stretch in which a band rises further above its background
@@ -46,6 +48,8 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
     ----------
     response : control.TimeResponseData, or what `as_record` takes
         The recording, uniformly sampled: displacements, velocities, accelerations, any channels.
+    fs : float, optional
+        Sampling rate [Hz] of samples that come without a time.
     given : sequence of (float, float), optional
         First and last time [s] of stretches that are known to decay freely: they are checked but not moved.
 
@@ -72,7 +76,7 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
     >>> [round(decay.start, 1) for decay in decays]
     [12.0]
     """
-    signal = as_signal(as_record(response), least=FEWEST_SAMPLES, copied=False)
+    signal = as_signal(as_record(response, fs=fs), least=FEWEST_SAMPLES, copied=False)
     if given is not None:
         recording = _recording(signal)
         bursts = [_given(signal, recording.bands, first, last) for first, last in given]

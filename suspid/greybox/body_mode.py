@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
 
 from suspid.levels import LEVEL, check_level, normal_reach
+from suspid.results import Result, columns_of
 from suspid.text_tables import text_table
 from suspid.units import Hertz, Ratio
 from suspid.words import Check, Level, Remark, Verdict
@@ -64,8 +65,8 @@ class BodyMode:
         return min(f - reach * s for f, s in self.models), max(f + reach * s for f, s in self.models)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class BodyModes(Sequence[BodyMode]):
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
+class BodyModes(Sequence[BodyMode], Result):
     """Frequencies of the body, one for each channel, as a sequence.
 
     Parameters
@@ -144,6 +145,13 @@ class BodyModes(Sequence[BodyMode]):
                 "zeta [1]": ["not reported" for _ in self.modes],
             }
         )
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        low, high = zip(*(mode.interval() for mode in self.modes), strict=True) if self.modes else ((), ())
+        return {**columns_of(self.modes, ["channel", "hertz"]), "low_hz": low, "high_hz": high}
+
+    def _brief(self) -> str:
+        return ", ".join(f"{mode.channel} {mode.hertz:.3g} Hz" for mode in self.modes if mode.models) or "no frequency"
 
     def __str__(self) -> str:
         return f"{self.table()}\n{self.verdict}"

@@ -24,7 +24,7 @@ from suspid.results import Result
 from suspid.samples import AsResponse, held
 from suspid.signals import as_signal
 from suspid.units import ComplexArray, RealArray
-from suspid.values import frozen_real
+from suspid.values import frozen_real, samples_in_words
 from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_skeleton
 from suspid.words import Verdict
 
@@ -266,7 +266,8 @@ class Identification(Result):
         return self.modes._table()
 
     def _brief(self) -> str:
-        return f"{self.modes._brief()}; {held(self, 'response')}"
+        signal = as_signal(held(self, "response"))
+        return f"{self.modes._brief()}; {samples_in_words(signal.timepts, signal.channels)}"
 
     def __str__(self) -> str:
         return f"{tables_of(self)}\n\n{self.verdict}"

@@ -79,7 +79,9 @@ class Stabilization(Result):
 
 @explained
 @in_one_thread
-def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | None = None) -> Stabilization:
+def stabilization(
+    record: RecordLike, *, fs: Hertz | None = None, most: int = 40, highest_hz: Hertz | None = None
+) -> Stabilization:
     """Fit a free decay with 2, 4, 6, … poles, and find those that are stable from one order to the next.
 
     The poles of every order come from the shift of the signal subspace (ESPRIT) of one matrix of shifted samples of
@@ -90,6 +92,8 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
     ----------
     record : control.TimeResponseData, or what `as_record` takes
         A free decay from its first sample on.
+    fs : float, optional
+        Sampling rate [Hz] of samples that come without a time.
     most : int
         Highest order: number of poles.
     highest_hz : float, optional
@@ -121,7 +125,7 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
         raise InputError(f"most={most!r:.40} must be a whole number")
     if highest_hz is not None and not (isinstance(highest_hz, int | float | np.number) and highest_hz > 0):
         raise InputError(f"highest_hz={highest_hz!r:.40} must be a positive number in Hz")
-    signal = as_signal(as_record(record), least=16)
+    signal = as_signal(as_record(record, fs=fs), least=16)
     values, step = _thinned(signal.values, signal.step, highest_hz)
     vectors, channels = _subspace(values), len(values)
     highest = min(most, vectors.shape[1] - channels) // 2 * 2
