@@ -59,6 +59,7 @@ class CheckedLimits(Result):
 
     Examples
     --------
+    >>> import numpy as np
     >>> from suspid import Limit, as_record, check_limits, identify
     >>> t = np.arange(400) / 100
     >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)

@@ -39,6 +39,7 @@ class Repeats(Result):
 
     Examples
     --------
+    >>> import numpy as np
     >>> from suspid import as_record, identify_repeats
     >>> t = np.arange(600) / 100
     >>> values = np.exp(-2 * (t % 3)) * np.cos(20 * (t % 3)) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
