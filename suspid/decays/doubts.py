@@ -11,13 +11,14 @@ from suspid.cleaning import CLIPPED, clipped_run, runs
 from suspid.decays.bursts import Burst
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.trials import Trial, background_ratio
+from suspid.identification import CYCLES_SEEN
 from suspid.signals import Signal
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Reason, Remark
 
 # Fewer cycles than these, of the mode that makes most or of the slowest one, are doubted. One less than `CYCLES_SEEN`
 # of an identification: this doubts the whole stretch, whose other modes may be well seen; that remarks on one mode.
-DOUBTED_CYCLES = 2.0
+DOUBTED_CYCLES = CYCLES_SEEN - 1
 # Modes with this share of the energy of the strongest count. With a smaller share, traces of noise cast doubts. Less
 # than `STRONG` of the verification: a mode this weak is in the fit, but other starts need not find it again.
 COUNTING_SHARE = 0.01

@@ -24,8 +24,6 @@ from suspid.units import RealArray, Second
 # Left out at both ends of a record, where the motion between the samples is not known: time, and at most this share.
 END: Second = 1.0
 END_SHARE = 0.05
-# Lines over which the spectrum of the travel is averaged, of stretches of five seconds: a hertz.
-SPECTRUM_LINES = 5
 # Lines just below the corner of the filter, as shares of it, where force and travel are noise more than motion.
 NOISY_LINES = (0.8, 1.0)
 # A strut sticks where its velocity is within this many errors of rest over this many samples or more: a velocity that
@@ -103,7 +101,9 @@ def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _E
     f, density = _density(motion.motion, h)
     lines = np.fft.rfftfreq(len(whole), h)
     power = 2 * h * noise**2
-    motion_share = np.maximum(1 - power / np.interp(lines, f, uniform_filter1d(density, SPECTRUM_LINES)), 0.0)
+    # Averaged over a hertz.
+    shown = uniform_filter1d(density, round(SPECTRUM_STRETCH))
+    motion_share = np.maximum(1 - power / np.interp(lines, f, shown), 0.0)
     turning = 2j * np.pi * lines
     if len(whole) % 2 == 0:
         motion_share[-1] = 0.0
