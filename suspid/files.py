@@ -87,10 +87,10 @@ def parsed_json(text: str) -> dict[str, object]:
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
-        why = printable(str(error))
+        why = ""
         if isinstance(error, json.JSONDecodeError) and text.lstrip().startswith("{"):
-            why = f"it is invalid at line {error.lineno}, column {error.colno} ({error.msg})"
-        raise InputError(f"is not JSON: {why}; give JSON that suspid wrote") from None
+            why = f": it is invalid at line {error.lineno}, column {error.colno} ({error.msg})"
+        raise InputError(f"is not JSON{why}; give JSON that suspid wrote") from None
     if not isinstance(content, dict):
         raise InputError(f"must contain a JSON object, not {type(content).__name__}")
     return content

@@ -342,7 +342,7 @@ class TestCommand:
         assert run(tmp_path / "in", "-o", tmp_path / "out", "--workers", 1).stdout == first.stdout
         other = run(tmp_path / "in", "-o", tmp_path / "out", "--modes", 1)
         assert other.exit_code == 1
-        assert "begun with other settings: settings.modes was None, is 1" in other.stderr
+        assert "begun with other settings: --modes was not given, is 1" in other.stderr
 
     def test_another_car_is_named_by_the_line_that_differs(self, tmp_path: Path) -> None:
         make_fleet(tmp_path / "in", 1)

@@ -54,10 +54,16 @@ def stopped_code(stop: KeyboardInterrupt) -> int:
 
 
 def check_once(command: click.Command, above: click.Context, arguments: list[str]) -> None:
-    """Refuse an option of one value that is given twice, of which the last would count without a word."""
+    """Refuse an option with too few values, and one of a single value that is given twice: the last would count."""
     ctx = click.Context(command, info_name=command.name, parent=above)
     try:
         _, _, given = command.make_parser(ctx).parse_args(list(arguments))
+    except click.BadOptionUsage as error:
+        option = next((one for one in command.params if error.option_name in one.opts), None)
+        if option is None:
+            return
+        needed = f"{error.message.rstrip('.')}: {error.option_name} {option.make_metavar(ctx)}"
+        raise click.BadOptionUsage(error.option_name, needed, ctx=ctx) from None
     except click.UsageError:
         return  # The command itself says what is wrong.
     for option in given:

@@ -16,6 +16,7 @@ from suspid.cli.quantities import Positive
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
 from suspid.text_tables import text_table
+from suspid.toml import parsed_toml
 from suspid.values import listed
 from suspid.words import count
 
@@ -148,9 +149,11 @@ def _draw_modes(before: Path, after: Path, figure: Figure) -> None:
 
 def _kind(path: Path) -> str:
     """Return what a file has, by its format; the files themselves are checked by their readers."""
-    if path.suffix.lower() == ".toml":
-        return "modes"
     with naming(path):
+        if path.suffix.lower() == ".toml":
+            if {"masses", "quarter_car", "half_car", "full_car"} & set(parsed_toml(read_text(path))):
+                raise InputError("is a car, not a result: write its modes with `suspid modes CAR --json FILE`")
+            return "modes"
         form = parsed_json(read_text(path)).get("format")
     return next((kind for start, kind in HELD_BY_FORMAT.items() if str(form).startswith(start)), "modes")
 

@@ -91,7 +91,7 @@ def fleet_command(
 
     The exit code is 1 if no record could be identified, 130 after Ctrl-C and 143 after SIGTERM.
     """
-    from suspid.fleet import CHUNK, DRIVES_CHUNK, estimate_many, fleet_summary, identify_many
+    from suspid.fleet import CHUNK, DRIVES_CHUNK, check_vehicles, estimate_many, fleet_summary, identify_many
     from suspid.model import read_car, read_constraints
 
     if table is not None and pattern is not None:
@@ -109,6 +109,7 @@ def fleet_command(
     if wanted.added:
         raise click.UsageError("--added is for single tests; state the masses of the loaded car in CAR.")
     _check_kind(drives)
+    check_vehicles(table, pattern)
     constraints = () if car is None or drives else read_constraints(car)
     settings = replace(settings, springs=CarSettings(**wanted.unknowns(), constraints=constraints))
     asked: dict[str, Any] = {

@@ -17,7 +17,7 @@ import click
 from suspid.analysis import STEPS, Analysis, Settings, analyse
 from suspid.cli.commands import ARGUMENTS
 from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, RECORD, TIME_OPTION, analysing, progress
-from suspid.cli.output import check_apart, said_warnings, say, shown
+from suspid.cli.output import check_apart, in_the_file, said_warnings, say, shown
 from suspid.errors import InputError
 from suspid.files import naming, printable, replacing
 from suspid.samples import held
@@ -151,7 +151,7 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
     selected = found.settings.channels is not None
     told = [(name, why) for name, why in everything if why.code not in ASIDE]
     left_out = _without_tables([(name, why) for name, why in told if not selected or why.code in DAMAGE])
-    said = [f"in the file: {name!r} {why}" for name, why in left_out[:most_left_out]]
+    said = [in_the_file(name, why) for name, why in left_out[:most_left_out]]
     if len(left_out) > len(said):
         said.append(f"in the file: {len(left_out) - len(said)} more not used as channels; see `suspid channels`")
     findings = found.cleaned.findings

@@ -40,6 +40,7 @@ ARGUMENTS_AS_OPTIONS = {
     "nominal_std": "--nominal-std",
     "objective": "--objective",
     "parameters": "--parameter",
+    "pattern": "--vehicle-from",
     "points": "--points",
     "rename": "--rename",
     "road": "--road",

@@ -123,3 +123,17 @@ def said_warnings() -> Iterator[list[str]]:
             # What was found in a file may be why the command failed.
             for text in dict.fromkeys(said):
                 click.echo(f"suspid: warning: {shown(text)}", err=True)
+
+
+def in_the_file(name: str, why: object) -> str:
+    """Return what is said of a column; of its unit or rate, whose name has its own quotes, without further ones.
+
+    Examples
+    --------
+    >>> print(in_the_file("seat", "is empty"))
+    in the file: 'seat' is empty
+    >>> print(in_the_file("unit of 't'", "is not stated"))
+    in the file: unit of 't' is not stated
+    """
+    shown_name = name if name.startswith(("unit of '", "rate '")) else repr(name)
+    return f"in the file: {shown_name} {why}"

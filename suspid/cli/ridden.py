@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from suspid.analysis import Settings, read
 from suspid.cleaning import to_si
+from suspid.cli.output import in_the_file
 from suspid.errors import InputError
 from suspid.io import bare_name, bracketed_unit
 from suspid.performance import ACCELERATIONS
@@ -71,7 +72,7 @@ def doubts_of(cleaned: Cleaned) -> Iterator[Check]:
 def damage_of(recording: Recording | None) -> list[str]:
     """Return what a file has lost, and what was guessed of its time, a sentence each."""
     everything = () if recording is None else recording.left_out
-    return [f"in the file: {name!r} {why}" for name, why in everything if why.code in DAMAGE]
+    return [in_the_file(name, why) for name, why in everything if why.code in DAMAGE]
 
 
 def _with_unit(name: str, unit: str, before: str, settings: Settings) -> str:

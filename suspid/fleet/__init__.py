@@ -17,6 +17,7 @@ from suspid.fleet.run import FleetRun, Progress
 from suspid.fleet.summary import LEGEND, FleetSummary
 from suspid.fleet.summary_text import MOST_SHOWN, no_outlier
 from suspid.fleet.trends import Trend
+from suspid.fleet.vehicles import check_vehicles
 
 __all__ = [
     "CHUNK",
@@ -32,6 +33,7 @@ __all__ = [
     "Outlier",
     "Progress",
     "Trend",
+    "check_vehicles",
     "damper_trends",
     "estimate_many",
     "fleet_summary",

@@ -12,8 +12,11 @@ from pathlib import Path
 from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.io import install_line
+from suspid.wording import Argument
 
 FLEET_FORMAT = "suspid fleet 3"
+# Differences of settings that a message lists.
+MOST_DIFFERENCES = 4
 INSTALL = install_line("fleet")
 
 
@@ -54,21 +57,29 @@ def check_same(folder: Path, begun: Mapping[str, object], asked: Mapping[str, ob
     now = _flat("", json.loads(json.dumps(asked)))
     different = [key for key in {**then, **now} if then.get(key) != now.get(key)]
     if different:
-        shown = "; ".join(_difference(key, then.get(key), now.get(key)) for key in different[:4])
-        more = f"; and {len(different) - 4} more" if len(different) > 4 else ""
+        drives = [any(key.startswith("drives.") for key in settings) for settings in (then, now)]
+        more = f"; and {len(different) - MOST_DIFFERENCES} more" if len(different) > MOST_DIFFERENCES else ""
+        kinds = ["drives" if one else "decays" for one in drives]
+        parts: list[object] = [f"records were {kinds[0]}, are {kinds[1]}"]
+        if drives[0] == drives[1]:
+            each = [_difference(key, then.get(key), now.get(key)) for key in different[:MOST_DIFFERENCES]]
+            parts = [*[part for one in each for part in ("; ", *one)][1:], more]
         raise InputError(
-            f"{printable(str(folder))}: this run was begun with other settings: {printable(shown)}{more}; "
-            f"continue as it was begun, or give another folder for the results"
-        )
+            "this run was begun with other settings: ",
+            *parts,
+            "; continue as it was begun, or give another folder for the results",
+        ).about(printable(str(folder)))
 
 
-def _difference(key: str, then: object, now: object) -> str:
-    """Return how a setting differs; of a text of several lines the first line that does."""
+def _difference(key: str, then: object, now: object) -> tuple[object, str]:
+    """Return which setting differs, and how; of a text of several lines the first line that does."""
+    name = Argument(key.rpartition(".")[2])
     if isinstance(then, str) and isinstance(now, str) and "\n" in then + now:
         lines = itertools.zip_longest(then.splitlines(), now.splitlines(), fillvalue="nothing")
         old, new = next(pair for pair in lines if pair[0] != pair[1])
-        return f"{key} had {old.strip()!r:.80}, has {new.strip()!r:.80}"
-    return f"{key} was {then!r:.80}, is {now!r:.80}"
+        return name, printable(f" had {old.strip()!r:.80}, has {new.strip()!r:.80}")
+    was, is_now = ("not given" if value is None else f"{value!r:.80}" for value in (then, now))
+    return name, printable(f" was {was}, is {is_now}")
 
 
 def durable_write(path: Path, content: bytes) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.values import nearest_names
+from suspid.wording import Argument
 
 VEHICLE_COLUMNS = ("record", "vehicle", "date")
 # A date in a name, with or without a time of day: 2024-05-31, 20240531T1200, 2024_05_31 12-00-30.
@@ -20,6 +21,10 @@ DATE_IN_NAME = re.compile(
     r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<between>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=between)(?P<day>0[1-9]|[12]\d|3[01])"
     r"(?:[T_ -]*(?P<hour>[01]\d|2[0-3])[-_:.]?(?P<minute>[0-5]\d)(?:[-_:.]?(?P<second>[0-5]\d))?)?(?!\d)"
 )
+
+
+# A pattern that finds a vehicle's folder and the date with which the name of a file begins.
+SUCH_A_PATTERN = "(?P<vehicle>[^/]+)/(?P<date>[0-9-]+)"
 
 
 def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
@@ -75,10 +80,13 @@ def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[s
     try:
         groups = re.compile(pattern)
     except re.error as error:
-        raise InputError(f"{pattern=} is not a regular expression: {error}") from None
+        raise InputError(Argument("pattern", repr(pattern)), f" is not a regular expression: {error}") from None
     for group in VEHICLE_COLUMNS[1:]:
         if group not in groups.groupindex:
-            raise InputError(f"{pattern=} has no group (?P<{group}>…).{nearest_names(group, groups.groupindex)}")
+            raise InputError(
+                Argument("pattern", repr(pattern)),
+                f" has no group (?P<{group}>…), as in {SUCH_A_PATTERN}.{nearest_names(group, groups.groupindex)}",
+            )
     found: dict[str, tuple[str, float]] = {}
     for name in names:
         match = groups.search(name)
@@ -88,6 +96,14 @@ def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[s
             except ValueError:
                 continue
     return found
+
+
+def check_vehicles(table: str | os.PathLike[str] | None, pattern: str | None) -> None:
+    """Refuse a table or a pattern of vehicles that cannot be used, before the records are read."""
+    if table is not None:
+        read_vehicles(table)
+    if pattern is not None:
+        vehicles_from_names((), pattern)
 
 
 def vehicle_in_name(name: str) -> tuple[str | None, float | None]:
