@@ -9,7 +9,7 @@ import pytest
 
 from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
 from suspid.cleaning import clipped_times, stuck_times
-from suspid.greybox import left_for, stretch_table
+from suspid.greybox import nothing_usable, stretch_table
 from suspid.greybox.blocks import vibration
 from suspid.records import as_response
 from suspid.signals import as_signal
@@ -88,6 +88,13 @@ class TestSpeed:
             find_drives(ride(channel("az", body()), channel("speed", constant(15.0), "m/s")), speed_unit="parsec")
         with pytest.raises(InputError, match="none was found"):
             find_drives(ride(channel("az", body())), speed_unit="km/h")
+
+    def test_of_a_car_that_stands_it_is_said_what_else_takes_the_record(self) -> None:
+        still = find_drives(ride(channel("az", 1e-4 * body())))
+        assert DriveRemark.STANDS in {note.code for note in still.verdict.notes}
+        slow = find_drives(ride(channel("az", body()), channel("speed", constant(2.0), "m/s")))
+        assert not slow.taken
+        assert DriveRemark.STANDS not in {note.code for note in slow.verdict.notes}
 
     def test_values_of_a_bus_for_no_speed_are_no_speed(self) -> None:
         """Where the speed is not known, the vibration says that the car moves."""
@@ -468,7 +475,7 @@ class TestStretches:
         found = find_drives(ride(channel("az", motion, times=late), speed), limits=DriveLimits(longitudinal=1e3))
         words = [line.split()[:3] for line in str(found).split("\n\n")[0].splitlines()[2:5]]
         assert words == [["2", "85", "taken"], ["2", "30", "left"], ["1", "5", "left"]]
-        assert left_for(found) == "30 s slow, 5 s missing"
+        assert "usable: 30 s slow, 5 s missing" in str(nothing_usable(found, ()))
         assert stretch_table(found).splitlines()[2].split()[:2] == ["0", "15"]
 
     def test_text_fits_a_screen(self) -> None:

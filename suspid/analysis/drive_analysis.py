@@ -12,7 +12,7 @@ from suspid.greybox import (
     DamperCurve,
     Drives,
     Estimate,
-    left_for,
+    nothing_usable,
     parameter_table,
 )
 from suspid.performance import Wear
@@ -138,9 +138,7 @@ class DriveAnalysis(Result):
         found = self.estimate or self.body
         numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
         if found is None:
-            why = left_for([stretch for one in self.drives for stretch in one])
-            none = Remark(DriveRemark.NONE, {**numbers, "why": why})
-            return Verdict(none, (Check(none, Level.NONE), *self.remarks))
+            return nothing_usable([stretch for one in self.drives for stretch in one], self.remarks)
         code = DriveHeadline.SPRINGS if self.estimate else DriveHeadline.FREQUENCIES
         beside = () if self.wear is None else self.wear.verdict.checks
         every = [

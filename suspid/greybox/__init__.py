@@ -20,7 +20,7 @@ from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
 from suspid.greybox.damper_curves import DamperCurve
 from suspid.greybox.drive_limits import DriveLimits
-from suspid.greybox.drive_tables import left_for, stretch_table, summary_table
+from suspid.greybox.drive_tables import nothing_usable, stretch_table, summary_table
 from suspid.greybox.drives import Drive, Drives
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimate_tables import nominal_value, parameter_table, parameter_unit, quantities_in
@@ -48,10 +48,10 @@ __all__ = [
     "estimate",
     "estimate_by_cause",
     "find_drives",
-    "left_for",
     "likely_causes",
     "nameless_forces",
     "nominal_value",
+    "nothing_usable",
     "parameter_table",
     "parameter_unit",
     "quantities_in",

@@ -11,7 +11,8 @@ import numpy as np
 from suspid.files import printable
 from suspid.text_tables import COLUMN_GAP, TERMINAL, text_table
 from suspid.units import Second
-from suspid.words import Code
+from suspid.words import Check, Code, Level, Remark, Verdict
+from suspid.words.drives import DriveReason, DriveRemark
 
 if TYPE_CHECKING:
     from suspid.greybox.drives import Drive
@@ -66,11 +67,13 @@ def _by_reason(drives: Sequence[Drive]) -> list[tuple[tuple[bool, Code], list[Dr
     return sorted(groups.items(), key=lambda item: (item[0][0], -sum(one.length for one in item[1])))
 
 
-def left_for(drives: Sequence[Drive]) -> str:
-    """Return in words how long was left for which reason first."""
-    return ", ".join(
-        f"{sum(one.length for one in every):.4g} s {code}" for (left, code), every in _by_reason(drives) if left
-    )
+def nothing_usable(drives: Sequence[Drive], remarks: Sequence[Check]) -> Verdict:
+    """Return the verdict on stretches none of which is usable: how long each was left for which reason first."""
+    reasons = {code: sum(one.length for one in every) for (left, code), every in _by_reason(drives) if left}
+    why = ", ".join(f"{length:.4g} s {code}" for code, length in reasons.items())
+    none = Remark(DriveRemark.NONE, {"length": float(sum(one.length for one in drives)), "why": why})
+    stands = [Check(Remark(DriveRemark.STANDS), Level.NOTE)] if set(reasons) == {DriveReason.STANDING} else []
+    return Verdict(none, (Check(none, Level.NONE), *stands, *remarks))
 
 
 def summary_table(drives: Sequence[Drive]) -> str:

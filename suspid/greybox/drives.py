@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from suspid.greybox.drive_tables import left_for, stretch_table, summary_table
+from suspid.greybox.drive_tables import nothing_usable, stretch_table, summary_table
 from suspid.results import Result, columns_of
 from suspid.units import MetrePerSecond, RealArray, Second
-from suspid.words import Check, Level, Remark, Verdict
+from suspid.words import Check, Remark, Verdict
 from suspid.words.drives import DriveRemark
 
 if TYPE_CHECKING:
@@ -216,8 +216,7 @@ class Drives(Sequence[Drive], Result):
         'care'
         """
         if not self.taken:
-            none = Remark(DriveRemark.NONE, {"length": self.length, "why": left_for(self)})
-            return Verdict(none, (Check(none, Level.NONE), *self.remarks))
+            return nothing_usable(self, self.remarks)
         numbers = {"stretches": len(self.taken), "seconds": self.usable, "length": self.length}
         return Verdict(Remark(DriveRemark.FOUND, numbers), self.remarks)
 

@@ -93,7 +93,7 @@ def way_of(
         If a named channel has no suitable unit or contains no speed, or the given unit is not one of speed.
     """
     if speed_unit is not None and spelled(speed_unit, "m/s") is None:
-        raise InputError(f"{speed_unit=} is not a unit of speed; known: km/h, m/s, mph, kn")
+        raise InputError(Argument("speed_unit", speed_unit), " is not a unit of speed; known: km/h, m/s, mph, kn")
     free = [channel for channel in recording.channels if channel.name not in set(without)]
 
     def chosen(name: str | None, words: frozenset[str], si: str, unit: str | None = None) -> RawChannel | None:
@@ -113,7 +113,11 @@ def way_of(
     if by_unit:
         moving, several = _by_unit(free)
     if speed_unit is not None and moving is None and speed != NO_CHANNEL:
-        raise InputError(f"{speed_unit=} needs a speed channel, and none was found; name it with speed")
+        raise InputError(
+            Argument("speed_unit", speed_unit),
+            " needs a speed channel, and none was found; name it with ",
+            Argument("speed"),
+        )
     moving = None if moving is None else directed(moving)
     unused = several or _unused(moving, free, speed)
     yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)

@@ -64,6 +64,11 @@ class DriveRemark(Code):
 
     FOUND = "found", _found
     NONE = "none", _none
+    STANDS = (
+        "stands",
+        "The car stands. If it was released, pushed or shaken there, its modes follow from identify, its springs and "
+        "dampers from estimate.",
+    )
     NO_SPEED = "no speed", "No speed channel: whether the car moves was judged from its vibration."
     SPEED_UNUSED = "speed unused", "Channel {channel!r} looks like the speed of the car, but was not used: {why}."
     BRAKING_UNKNOWN = (
