@@ -7,6 +7,7 @@ import pytest
 
 from suspid import InputError, add_noise, classify_road, quarter_car, road, road_profile, simulate
 from suspid.performance import ROAD_LIMITS
+from suspid.performance.road_classes import MOST_FOLDING, _fitted_unfolded, _folding
 from suspid.records import as_response
 from suspid.simulation import ROUGHNESS, Road, track_coherence
 from suspid.words import Level
@@ -265,3 +266,27 @@ class TestFolding:
         assert abs(np.mean(errors)) < 1
         # Over 30 roads: three standard errors about one.
         assert np.std(errors) == pytest.approx(1.0, abs=3 / np.sqrt(2 * 30))
+
+    @pytest.mark.parametrize("exponent", [1.6, 2.0, 3.0])
+    @pytest.mark.parametrize("metres", [300.0, 3000.0, 9000.0])
+    def test_as_many_waves_are_used_as_folding_leaves(self, exponent: float, metres: float) -> None:
+        """Of the expected spectrum of points, with all waves that fold added up, the line is that of the road.
+
+        It is off by no more than is allowed, however long the road is; a fixed share of the lines would be off by more
+        and more, at a quarter by 0.6 standard deviations over nine kilometres.
+        """
+        spacing = 0.15
+        n = np.arange(1, metres / spacing / 2) / metres
+        n = n[(n >= 0.01) & (n <= 0.5 / spacing)]
+        folds = np.arange(1, 200)[:, None] / spacing
+        rest = 2 * spacing**exponent * 199.5 ** (1 - exponent) / (exponent - 1)
+        everything = n**-exponent + np.sum((folds - n) ** -exponent + (folds + n) ** -exponent, axis=0) + rest
+        held = 4 * np.sin(np.pi * n * spacing) ** 2
+        used, (level, found, covariance, _) = _fitted_unfolded(n, everything * held, held, spacing)
+        off = np.array([level - exponent * np.log(10.0), found - exponent]) / np.sqrt(np.diag(covariance))
+        assert np.all(np.abs(off) < 1.1 * MOST_FOLDING)
+        np.testing.assert_allclose(
+            _folding(used, spacing, exponent), [level - exponent * np.log(10.0), found - exponent], rtol=0.1
+        )
+        # Nearly as many as this: the next share would be off by more, unless all are used.
+        assert len(used) == np.sum(n <= 0.25 / spacing) or np.max(np.abs(off)) > 0.4 * MOST_FOLDING

@@ -24,6 +24,7 @@ from suspid import (
     quarter_car,
     ride,
     road,
+    road_profile,
     sensitivities,
     statespace,
     tune,
@@ -52,6 +53,12 @@ BENCH_TIRES = (50.0, 60.0)
 # Figures worked out for this car before `grip` was written: damper [N s/m], adhesion [%], least phase [deg].
 EXPECTED_GRIP = ((1300.0, 60.0, 63.9), (900.0, None, 47.8), (650.0, 29.0, 35.9), (400.0, 0.0, 22.7))
 LEVEL = 0.95
+# Class, speed [m/s], sampling rate [Hz] and time [s] of measured roads; of long ones half as many are drawn.
+MEASURED_ROADS = (
+    ("A", 10.0, 200.0, 60.0), ("C", 20.0, 200.0, 60.0), ("F", 30.0, 200.0, 60.0), ("F", 30.0, 200.0, 300.0),
+    ("F", 45.0, 100.0, 300.0),
+)  # fmt: skip
+LONG_ROAD = 300.0
 
 
 class BenchRoad(Road):
@@ -142,6 +149,27 @@ def road_table() -> str:
             f"{found.exponent:.3f}",
             found.name,
         ]
+        for column, cell in zip(rows.values(), cells, strict=True):
+            column.append(cell)
+    return text_table(rows)
+
+
+def road_coverage_table(draws: int) -> str:
+    """Return the table of intervals that hold the true road, of heights at points: shorter waves fold into others."""
+    rows: dict[str, list[str]] = {
+        "class": [], "speed [m/s]": [], "rate [Hz]": [], "length [s]": [], "roads": [], "roughness": [], "exponent": [],
+    }  # fmt: skip
+    for name, speed, rate, seconds in MEASURED_ROADS:
+        count = draws if seconds < LONG_ROAD else draws // 2
+        held = np.zeros(2)
+        for seed in range(count):
+            t = np.arange(0, seconds, 1 / rate)
+            heights = road_profile(speed * t, roughness=name, rng=np.random.default_rng([FIRST_SEED, 8, seed]))
+            ends = classify_road((t, heights), speed=speed).interval(LEVEL)
+            true = {"roughness": ROUGHNESS[name], "exponent": 2.0}
+            held += [ends[key][0] < true[key] < ends[key][1] for key in ("roughness", "exponent")]
+        cells = [name, f"{speed:.0f}", f"{rate:.0f}", f"{seconds:.0f}", str(count)]
+        cells += [f"{share:.1%}" for share in held / count]
         for column, cell in zip(rows.values(), cells, strict=True):
             column.append(cell)
     return text_table(rows)
@@ -400,6 +428,9 @@ def report() -> str:
         "G_d(0.1 cycle/m) in 1e-6 m3; 95 % intervals in brackets. Classes and limits are taken from publications that "
         "quote the standard.",
         f"```\n{road_table()}\n```",
+        "How often the 95 % intervals hold the true road, where heights are points of it. The spectrum of a class is a "
+        "multiple of that of another, so that class decides nothing.",
+        f"```\n{road_coverage_table(max(SEEDS, 100))}\n```",
         "## Spectra beside an independent integrator",
         f"Figures of `ride(car)` and means over {SEEDS} drives of 60 s on roads of class C at 20 m/s, integrated by "
         f"`validation/motion.py`; ± is the standard error of the mean.",

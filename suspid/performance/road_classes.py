@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, to_si
@@ -28,12 +29,14 @@ ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
     {name: 2 * mean if name != "H" else np.inf for name, mean in ROUGHNESS.items()}
 )
 # Exponents of measured roads are 1.5 to 3; beyond these a spectrum is that of noise, or of a filter.
-EXPONENTS = (1.0, 4.0)
+EXPONENTS, LEAST_MEASURED = (1.0, 4.0), 1.5
 # Fewest spectral lines from which a level and an exponent are told, and lines of each piece of the test of a bend.
 FEWEST_WAVES, LINES_OF_PIECE = 20, 16
-# Share of the band up to half the sampling rate that is used. Heights are points of a road with shorter waves, which
-# fold into that band: of a spectrum with exponent 2 they add 2 % at a quarter, and 11 % at a half, where they bend it.
-UNFOLDED = 0.25
+# Shares of half the sampling rate up to which lines are used: the largest one at which folding is no matter. Heights
+# are points of a road with shorter waves, which fold into those lines: at the exponent 2 they add 11 % at a half.
+UNFOLDED = tuple((0.5 * 0.8 ** np.arange(12)).tolist())
+# Error by folding, in standard deviations, up to which it is none: intervals of 95 % then hold 94.5 %.
+MOST_FOLDING = 0.2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -208,13 +211,14 @@ def classify_road(
         raise InputError(f"speed must be positive, one number or one for each of {len(signal.timepts)} samples [m/s]")
     spacing, heights = _over_distance(heights, signal.step, pace)
     n, power, held = _slopes(heights, spacing, (short, long))
-    if len(n) < FEWEST_WAVES:
+    first = int(np.sum(_unfolded(n, spacing, UNFOLDED[0])))
+    if first < FEWEST_WAVES:
         raise InputError(
             f"the record is too short, or its samples are too far apart: {spacing * len(heights):.4g} m in steps of "
-            f"{spacing:.4g} m give {len(n)} spectral lines between wavelengths of {short:g} and {long:g} m, "
+            f"{spacing:.4g} m give {first} spectral lines between wavelengths of {short:g} and {long:g} m, "
             f"{FEWEST_WAVES} are needed; check the speed"
         )
-    level, exponent, covariance, excess = _fitted(n, power, held)
+    n, (level, exponent, covariance, excess) = _fitted_unfolded(n, power, held, spacing)
     used = (float(1 / n[-1]), float(1 / n[0]))
     return RoadClass(
         roughness=float(np.exp(level)),
@@ -291,14 +295,54 @@ def _slopes(
     differences = differences - np.mean(differences)
     n = np.fft.rfftfreq(len(differences), spacing)
     power = 2 * spacing / len(differences) * np.abs(np.fft.rfft(differences)) ** 2
-    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], UNFOLDED * 0.5 / spacing)) & (n > 0)
+    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], 0.5 / spacing)) & (n > 0)
     lines = np.asarray(n[use], float)
     return lines, power[use], 4 * np.sin(np.pi * lines * spacing) ** 2
 
 
-def _fitted(n: RealArray, power: RealArray, held: RealArray) -> tuple[float, float, RealArray, tuple[float, int]]:
+# Log level, exponent, their covariance, and chi-square of the spectrum against the line with its degrees of freedom.
+Fitted: TypeAlias = tuple[float, float, RealArray, tuple[float, int]]
+
+
+def _fitted_unfolded(n: RealArray, power: RealArray, held: RealArray, spacing: Metre) -> tuple[RealArray, Fitted]:
+    """Return the wavenumbers that are used, and the line fitted to them: as many as folding leaves."""
+    for share in UNFOLDED:
+        use = _unfolded(n, spacing, share)
+        if np.sum(use) < FEWEST_WAVES:
+            break
+        lines, found = n[use], _fitted(n[use], power[use], held[use])
+        if np.all(np.abs(_folding(lines, spacing, found[1])) <= MOST_FOLDING * np.sqrt(np.diag(found[2]))):
+            break
+    return lines, found
+
+
+def _unfolded(n: RealArray, spacing: Metre, share: Ratio) -> NDArray[np.bool_]:
+    return np.asarray(n <= share * 0.5 / spacing)
+
+
+def _folding(n: RealArray, spacing: Metre, exponent: Ratio) -> RealArray:
+    """Return the errors of log level and exponent by waves that are shorter than two samples, were there all of them.
+
+    Waves of ``2 m / x - 1`` and ``2 m / x + 1`` times the wavenumber of a line fold into it, where x is its share of
+    half the sampling rate and m = 1, 2, …; their sum is one of Hurwitz's zeta functions.
+    """
+    from scipy.special import zeta
+
+    # Below the least exponent of a measured road the sum is one of noise, and has no end at 1.
+    w, half = max(exponent, LEAST_MEASURED), n * spacing
+    more = half**w * (zeta(w, 1 - half) + zeta(w, 1 + half))
+    X = _design(n)
+    return np.asarray(np.linalg.solve(X.T @ X, X.T @ more))
+
+
+def _design(n: RealArray) -> RealArray:
+    """Return the derivatives of the logarithm of the density by log level and exponent."""
+    return np.column_stack([np.ones(len(n)), -np.log(n / REFERENCE)])
+
+
+def _fitted(n: RealArray, power: RealArray, held: RealArray) -> Fitted:
     """Return log level, exponent, their covariance, and chi-square of the spectrum against the line."""
-    X = np.column_stack([np.ones(len(n)), -np.log(n / REFERENCE)])
+    X = _design(n)
     p = np.linalg.lstsq(X, np.log(np.maximum(power / held, 1e-300)) + np.euler_gamma, rcond=None)[0]
     for _ in range(50):
         # Fisher scoring of an exponential distribution with a log-linear mean.
@@ -310,7 +354,7 @@ def _fitted(n: RealArray, power: RealArray, held: RealArray) -> tuple[float, flo
     score = power / (held * np.exp(X @ p)) - 1
     bread = np.linalg.inv(X.T @ X)
     # The larger of what exponential lines have by law and what these have: a bent spectrum scatters more.
-    covariance = bread * max(1.0, float(np.mean(score**2)))
+    covariance = np.asarray(bread * max(1.0, float(np.mean(score**2))), float)
     pieces = np.array_split(score, max(len(score) // LINES_OF_PIECE, 3))
     bends = np.array([np.sum(piece) ** 2 / len(piece) for piece in pieces])
     return float(p[0]), float(p[1]), covariance, (float(np.sum(bends)), len(pieces) - 2)
