@@ -213,7 +213,7 @@ class TestResumed:
         assert content(tmp_path) == expected
 
     def test_other_limits_are_another_run(self, fleet: Path, run: FleetRun) -> None:
-        with pytest.raises(InputError, match="drives.limits.least_speed was 3.0, is 5.0"):
+        with pytest.raises(InputError, match="least_speed was 3.0, is 5.0"):
             estimate_many(fleet, output=run.output, car=CAR, chunk=1, limits=DriveLimits(least_speed=5.0))
         with pytest.raises(InputError, match="begun with other settings"):
             identify_many(fleet, output=run.output, car=CAR, chunk=1)
