@@ -41,7 +41,9 @@ class TuningCheck(Code):
     RELATED = "related", "The constraint {label} is active in {count} of {cars} cars."
     ROBUST = (
         "robust",
-        listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
+        listed(
+            "Each figure is its mean plus {reach:.3g} times its standard deviation over what is uncertain: {names}."
+        ),
     )
     LINEARISED = "linearised", dampers_of_equal_work
     ONE = "one", "One car is best for both objectives: there is no trade-off."
