@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from suspid import add_noise, quarter_car, road, simulate
 from suspid.cleaning.clipping import clipped_run
@@ -171,3 +172,18 @@ def test_a_noisy_drive_is_not_clipped_and_its_clipped_copy_is(seed: int) -> None
         assert not np.any(on_rail(row))
         limit = float(np.quantile(np.abs(row), 0.995))
         assert np.any(on_rail(np.clip(row, -limit, limit)))
+
+
+@pytest.mark.parametrize("hold", [2, 4, 10])
+@pytest.mark.parametrize("seed", range(3))
+def test_values_that_a_slow_bus_holds_count_once(seed: int, hold: int) -> None:
+    """What is said of a channel and of each of its values held for some samples is the same."""
+    noise = np.random.default_rng(seed).standard_normal(3000)
+    motion = np.round(lfilter(*butter(2, [0.08, 0.24], "band"), noise), 3)
+    cut = np.clip(motion, -9, 1.5 * np.std(motion))
+    for values in (motion, cut):
+        assert np.array_equal(on_rail(np.repeat(values, hold)), np.repeat(on_rail(values), hold))
+    # Stamps of two clocks that drift: a value lasts one sample more now and then.
+    lasts = np.full(motion.size, hold) + (np.arange(motion.size) % 7 == 0)
+    assert not np.any(on_rail(np.repeat(motion, lasts)))
+    assert np.any(on_rail(np.repeat(cut, lasts)))

@@ -22,6 +22,9 @@ STEEPER = 2.0
 THROWN, FLAT = 5.5, 3.0
 # Median step beside a run, in those of the converter, below which repeats say nothing.
 COARSE = 2.0
+# Share of the values that last as many samples as the others, give or take one, in a channel that holds each of them.
+# The runs of a coarse converter are long at a crest and short beside it.
+ALIKE_LONG = 0.9
 
 
 def clipped_times(channel: RawChannel) -> RealArray:
@@ -94,7 +97,8 @@ def on_rail(values: RealArray) -> Flags:
 
     A parabola whose depth changes by w over the n samples next to its top is entered by steps of up to
     ``4 w / n (1 + 1 / n)``. A rail is a zone at the end of the range that is entered or left by larger steps, in at
-    least one run of three samples or more. The step of the converter and noise are allowed for.
+    least one run of three samples or more. The step of the converter and noise are allowed for. Where a slower bus
+    holds each value for some samples, these count as one.
 
     Parameters
     ----------
@@ -108,6 +112,9 @@ def on_rail(values: RealArray) -> Flags:
     >>> int(np.sum(on_rail(motion))), bool(np.sum(on_rail(np.clip(motion, -9, 0.8))) > 500)
     (0, True)
     """
+    firsts = _held_values(values)
+    if firsts.size < values.size:
+        return np.repeat(on_rail(values[firsts]), np.diff(firsts, append=values.size))
     found = np.zeros(values.size, bool)
     finite = values[np.isfinite(values)]
     reach = float(np.ptp(finite)) if finite.size >= CLIPPED else 0.0
@@ -131,6 +138,22 @@ def on_rail(values: RealArray) -> Flags:
         if np.any(jumps > np.maximum(smooth, RAIL * reach)):
             found |= near
     return found
+
+
+def _held_values(values: RealArray) -> NDArray[np.intp]:
+    """Return the samples with which the values of a channel begin, all of them where it does not hold its values.
+
+    One that lasts longer than most begins again and again.
+    """
+    every = np.arange(values.size)
+    begins = np.flatnonzero(np.diff(values, prepend=np.nan) != 0)
+    lasts = np.diff(begins, append=values.size)
+    usual = int(np.median(lasts)) if lasts.size else 1
+    if usual < 2 or np.mean(np.abs(lasts - usual) <= 1) < ALIKE_LONG:
+        return every
+    since = every - np.repeat(begins, lasts)
+    left = np.repeat(begins + lasts, lasts) - every
+    return np.flatnonzero((since % usual == 0) & ((since == 0) | (left > usual // 2)))
 
 
 def _roughness(values: RealArray) -> float:
