@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 
 import click
@@ -59,7 +59,7 @@ ARGUMENTS_AS_OPTIONS = {
     "without": "--without",
 }
 # What those who come from other programs write, and what it is called here: the first that the command has.
-CALLED_ELSEWHERE = {
+CALLED_ELSEWHERE: Mapping[str, tuple[str, ...]] = {
     "--columns": ("--channel",),
     "--cutoff": ("--band",),
     "--end": ("--to",),
