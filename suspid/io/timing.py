@@ -16,6 +16,7 @@ from suspid.io.names import (
     is_abscissa,
     is_count,
 )
+from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase
@@ -99,6 +100,7 @@ def as_recording(
                 rate=own if fs is None else fs,
             )
         )
+    raw = raw if fs is not None else with_own_rows(raw)
     kept = tuple(channel for channel in raw if channel.name not in counters and channel.name not in norms)
     if table.apart:
         tests = runs_of({channel.name: id(channel.timepts) for channel in kept})
