@@ -39,7 +39,8 @@ def naming(source: str | os.PathLike[str]) -> Iterator[None]:
 
 def check_exists(path: Path, *, error: type[InputError] = InputError) -> None:
     """Raise ``error`` with the nearest name if there is nothing at a path."""
-    if not path.exists():
+    # Of a name that no file can have `Path.exists` says that it is too long.
+    if not os.path.exists(path):
         raise error(f"there is no such file{_beside(path)}")
 
 
