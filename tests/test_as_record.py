@@ -345,3 +345,45 @@ def test_a_table_without_rows(columns: list[str]) -> None:
     table.index = table.index.astype("datetime64[ns]")
     with pytest.raises(RecordError, match="contains no samples"):
         as_record(table)
+
+
+class TestUnitsInNames:
+    """What is converted once is not converted again by what a name says."""
+
+    NOISE = np.random.default_rng(0).standard_normal(4000)
+
+    def test_a_converted_channel_states_the_unit_it_has(self) -> None:
+        pd = pytest.importorskip("pandas")
+        stated = as_record(self.NOISE, fs=200, channels=["seat_acceleration [g]"], units=["g"])
+        table = pd.DataFrame({"seat_acceleration [g]": self.NOISE}, index=pd.Index(np.arange(4000) / 200, name="t [s]"))
+        by_name = as_record(table, units={"seat_acceleration [g]": "g"})
+        for record in (stated, by_name):
+            assert record.output_labels == ["seat_acceleration [m/s2]"]
+        # The same samples without a unit are in g by their name: both are the same ride.
+        left = as_record(self.NOISE, fs=200, channels=["seat_acceleration [g]"])
+        one, other = (ride(record).values for record in (stated, left))
+        np.testing.assert_allclose(one, other)
+
+    def test_a_unit_against_the_name_is_refused(self) -> None:
+        with pytest.raises(RecordError, match=r"'mm' by units, and one of m/s2 by its name"):
+            as_record(self.NOISE, fs=200, channels=["seat [g]"], units=["mm"])
+
+    def test_of_xarray(self) -> None:
+        xr = pytest.importorskip("xarray")
+        coords = {"time": np.arange(4000) / 200}
+        array = xr.DataArray(self.NOISE, dims="time", coords=coords, name="acc [g]", attrs={"units": "g"})
+        record = as_record(array)
+        assert record.output_labels == ["acc [m/s2]"]
+        assert np.std(record.y) == pytest.approx(9.80665 * np.std(self.NOISE))
+        both = {"a": ("time", self.NOISE, {"units": "mm"}), "b": ("time", self.NOISE, {"units": "weird"})}
+        with pytest.raises(RecordError, match=r"the unit of 'b' is not known"):
+            as_record(xr.Dataset(both, coords=coords))
+
+
+@pytest.mark.parametrize("place", [0, 6, 199])
+def test_a_date_that_is_none_is_no_time(place: int) -> None:
+    pd = pytest.importorskip("pandas")
+    stamps = pd.Series(pd.to_datetime(np.arange(200) * 1e7))
+    stamps[place] = pd.NaT
+    with pytest.raises(RecordError, match=f"1 of 200 time stamps are not finite, the first is number {place + 1}"):
+        as_record(pd.DataFrame({"y": np.arange(200.0)}, index=pd.DatetimeIndex(stamps)))

@@ -250,3 +250,9 @@ class TestAssertion:
     def test_what_has_no_modes_is_named(self) -> None:
         with pytest.raises(InputError, match=r"found is a list.*eigenmodes"):
             assert_modes_close([1.0], car())  # type: ignore[arg-type]
+
+
+def test_what_has_no_modes_on_either_side_is_not_judged() -> None:
+    nothing = ModalSet.from_wn_zeta([], [])
+    with pytest.raises(InputError, match="nothing to compare"):
+        assert_modes_close(nothing, nothing)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.cleaning import Cleaned, RecordLike, as_record, clean, scaled, si_unit, to_si, vertical
+from suspid.cleaning import Cleaned, RecordLike, as_record, clean, name_in_si, scaled, to_si, vertical
 from suspid.errors import InputError, RecordError
 from suspid.files import naming
-from suspid.io import bare_name, bracketed_unit, read_recording
+from suspid.io import bare_name, read_recording
 from suspid.recordings import Recording
 from suspid.records import like
 from suspid.samples import held
@@ -181,13 +181,8 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
 
 def _units_in_names(cleaned: Cleaned) -> dict[str, str]:
     """Return the channels that were converted but whose names still say the unit before, with their new names."""
-    names = dict[str, str]()
-    for name, unit in zip(as_signal(held(cleaned, "record")).channels, cleaned.units, strict=True):
-        before = bracketed_unit(name)
-        if before and before != unit and si_unit(before) == unit:
-            at = name.rindex(before)
-            names[name] = f"{name[:at]}{unit}{name[at + len(before) :]}"
-    return names
+    pairs = zip(as_signal(held(cleaned, "record")).channels, cleaned.units, strict=True)
+    return {name: now for name, unit in pairs if (now := name_in_si(name, unit)) != name}
 
 
 def in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:

@@ -12,7 +12,7 @@ from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
 from suspid.cleaning.clock import DRIFT
-from suspid.cleaning.conversions import scaled, si_unit, to_si
+from suspid.cleaning.conversions import name_in_si, scaled, si_unit, to_si
 from suspid.cleaning.data_forms import RecordLike
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
@@ -45,6 +45,7 @@ __all__ = [
     "derivative_order",
     "halving_error",
     "interpolate",
+    "name_in_si",
     "named_quantity",
     "parts_of",
     "read_record",

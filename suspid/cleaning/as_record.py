@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.cleaning.conversions import to_si
+from suspid.cleaning.conversions import name_in_si, si_unit, to_si
 from suspid.cleaning.data_forms import RecordLike, is_response, real_samples, samples_of
 from suspid.errors import RecordError
+from suspid.io import bracketed_unit
 from suspid.records import as_response
 from suspid.signals import check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
@@ -102,7 +103,7 @@ def as_record(
         raise RecordError(f"{time.size} time points, but {values.shape[1]} samples")
     if time.size > 1:
         uniform_step(time)
-    values = _converted(values, names, units)
+    values, names = _converted(values, names, units)
     _check_sizes(names, time, values)
     return as_response(time, values, names, title=str(getattr(data, "title", None) or ""))
 
@@ -112,17 +113,26 @@ def _check_sizes(names: Sequence[str], time: RealArray, values: RealArray) -> No
         check_size(name, time, samples)
 
 
-def _converted(values: RealArray, names: Sequence[str], units: Sequence[str] | Mapping[str, str] | None) -> RealArray:
-    """Return the samples in SI units."""
+def _converted(
+    values: RealArray, names: Sequence[str], units: Sequence[str] | Mapping[str, str] | None
+) -> tuple[RealArray, list[str]]:
+    """Return the samples in SI units, and the names, in which these replace the units before."""
     if units is None:
-        return values
-    if not isinstance(units, Mapping):
-        if isinstance(units, str) or len(units) != len(names):
-            raise RecordError(f"units={units!r:.80} must state the unit of each of {len(names)} channels, or map names")
-        # In order: two channels of one name may have different units.
-        return np.array([to_si(row, unit)[0] for row, unit in zip(values, units, strict=True)])
-    unknown = sorted(set(units) - set(names))
-    if unknown:
-        raise RecordError(f"units of {unknown[0]!r}: there is no such channel; the channels are {', '.join(names)}")
-    rows = zip(names, values, strict=True)
-    return np.array([to_si(row, units[name])[0] if name in units else row for name, row in rows])
+        return values, [*names]
+    if isinstance(units, Mapping):
+        unknown = sorted(set(units) - set(names))
+        if unknown:
+            raise RecordError(f"units of {unknown[0]!r}: there is no such channel; the channels are {', '.join(names)}")
+        stated = [units.get(name) for name in names]
+    elif isinstance(units, str) or len(units) != len(names):
+        raise RecordError(f"units={units!r:.80} must state the unit of each of {len(names)} channels, or map names")
+    else:
+        stated = [*units]
+    rows, called = [*values], [*names]
+    for k, unit in enumerate(stated):
+        if unit is not None:
+            rows[k], si = to_si(values[k], unit)
+            called[k] = name_in_si(names[k], si)
+            if (own := si_unit(bracketed_unit(called[k]))) not in ("", si):
+                raise RecordError(f"channel {names[k]!r} has the unit {unit!r} by units, and one of {own} by its name")
+    return np.array(rows), called

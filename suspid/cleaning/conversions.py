@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import printable
+from suspid.io import bracketed_unit
 from suspid.records import like
 from suspid.signals import as_signal
 from suspid.units import STANDARD_GRAVITY, RealArray
@@ -97,6 +98,21 @@ def si_unit(unit: str) -> str:
         return to_si(1.0, unit)[1]
     except InputError:
         return ""
+
+
+def name_in_si(name: str, unit: str) -> str:
+    """Return the name of a channel that was converted to a unit: one that states the unit before states this one.
+
+    Examples
+    --------
+    >>> name_in_si("seat [mm]", "m"), name_in_si("body (g)", "m/s2"), name_in_si("seat", "m"), name_in_si("a [g]", "m")
+    ('seat [m]', 'body (m/s2)', 'seat', 'a [g]')
+    """
+    before = bracketed_unit(name)
+    if not before or before == unit or si_unit(before) != unit:
+        return name
+    at = name.rindex(before)
+    return f"{name[:at]}{unit}{name[at + len(before) :]}"
 
 
 @explained

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from suspid.cleaning.conversions import to_si
+from suspid.cleaning.conversions import name_in_si, to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.io import bracketed_unit, is_time, seconds_in
 from suspid.recordings import Recording
 from suspid.signals import real_numbers
 from suspid.units import RealArray
+from suspid.values import listed
+from suspid.wording import Argument
 
 # What `as_record` takes: arrays, (time, samples), pandas and xarray objects, responses. Types are checked at run time:
 # neither pandas nor xarray is needed.
@@ -112,8 +113,9 @@ def _elapsed(stamps: RecordLike) -> RealArray:
     # Whole nanoseconds: a date of our age in seconds has no more than 2e-7 s as a float.
     kind = "datetime64[ns]" if stamps.dtype.kind == "M" else "timedelta64[ns]"
     counts = np.asarray(stamps.to_numpy(), kind) if hasattr(stamps, "dims") else stamps.to_numpy(kind)
-    whole = counts.astype(np.int64)
-    return np.asarray((whole - whole[:1] if kind.startswith("date") else whole) / 1e9)
+    known = ~np.isnat(counts)
+    first = counts[known][:1] if kind.startswith("date") else np.zeros(1, kind)
+    return np.where(known, (counts - first).astype(np.int64) / 1e9 if known.any() else np.nan, np.nan)
 
 
 def _of_xarray(
@@ -122,6 +124,7 @@ def _of_xarray(
     arrays = {str(name): data[name] for name in data.data_vars} if hasattr(data, "data_vars") else {"": data}
     rows: list[RealArray] = []
     names: list[str] = []
+    stated: list[tuple[str, str]] = []
     time: RealArray | None = None
     for name, array in arrays.items():
         along, time = _along_time(array, name or "the array", samples)
@@ -129,8 +132,17 @@ def _of_xarray(
         block = _matrix(array.transpose(*others, along).to_numpy(), samples)
         own = str(name or array.name or "y[0]")
         labels = [str(label) for label in array[others[0]].to_numpy()] if others else [own]
-        rows.append(_by_attribute(block, array) if own_units else block)
-        names += [f"{name}_{label}" if name and others else label for label in labels]
+        block, si = _by_attribute(block, array) if own_units else (block, "")
+        stated.append((own, si))
+        rows.append(block)
+        names += [name_in_si(f"{name}_{label}" if name and others else label, si) for label in labels]
+    unknown = [name for name, si in stated if not si]
+    if 0 < len(unknown) < len(stated):
+        raise RecordError(
+            f"the unit of {listed(unknown)} is not known, those of the other variables are: state all of them (",
+            Argument("units"),
+            "), or choose variables",
+        )
     if len({block.shape[1] for block in rows}) != 1:
         raise RecordError("the variables have different lengths: choose those of one rate")
     return np.concatenate(rows), time, names
@@ -153,11 +165,12 @@ def _along_time(array: RecordLike, what: str, samples: int | None) -> tuple[Reco
     return (bare or array.dims)[0], None
 
 
-def _by_attribute(values: RealArray, array: RecordLike) -> RealArray:
-    """Return samples in SI units by the attribute "units" of an array of xarray, where that is a unit we know."""
-    with suppress(InputError):
-        return to_si(values, str(array.attrs.get("units", "")))[0]
-    return values
+def _by_attribute(values: RealArray, array: RecordLike) -> tuple[RealArray, str]:
+    """Return samples in SI units by the attribute "units" of an array of xarray, and that unit, if one is stated."""
+    try:
+        return to_si(values, str(array.attrs.get("units", "")))
+    except InputError:
+        return values, ""
 
 
 def _matrix(data: RecordLike, samples: int | None = None) -> RealArray:

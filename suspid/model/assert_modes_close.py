@@ -69,6 +69,8 @@ def assert_modes_close(
     __tracebackhide__ = True
     rtol = {name: value for name, value in (("wn", rtol_wn), ("zeta", rtol_zeta)) if value is not None}
     comparison = compare(_modes_of("found", found), _modes_of("expected", expected), rtol=rtol or None, sigmas=sigmas)
+    if not comparison.table:
+        raise InputError("neither has modes: there is nothing to compare")
     if not comparison:
         raise AssertionError(str(comparison))
 
