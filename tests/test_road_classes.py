@@ -58,8 +58,9 @@ def test_at_a_changing_speed_waves_are_those_that_the_widest_spacing_holds() -> 
     """Shorter ones would fold where the car is fastest."""
     pace = 15 + 10 * np.sin(2 * np.pi * TIME / 30)
     record = road("B", speed=20.0).record(TIME, rng=np.random.default_rng(3), speed=pace)
-    shortest = 2 * np.max(pace) * 0.005 / UNFOLDED
-    assert classify_road(record, speed=pace).wavelengths[0] == pytest.approx(shortest, rel=0.01)
+    # Of the shares of half the sampling rate that are tried, one is that of the fastest stretch.
+    share = 2 * np.max(pace) * 0.005 / classify_road(record, speed=pace).wavelengths[0]
+    assert np.min(np.abs(share / np.array(UNFOLDED) - 1)) < 0.01
 
 
 def test_the_test_of_a_bend_has_two_degrees_of_freedom_less_than_pieces() -> None:

@@ -90,7 +90,7 @@ def find_drives(
     ...     print(one)
     0 … 22 s left: slower than 3 m/s (down to 0 m/s); braking or accelerating with up to 2 m/s2 (limit 1.5 m/s2)
     22 … 30 s left: braking or accelerating with up to 2 m/s2 (limit 1.5 m/s2)
-    30 … 60 s taken: moving at 20 to 20 m/s
+    30 … 60 s taken: moving at 20 m/s
     """
     whole, limits = _opened(recording), limits or DriveLimits()
     needed = _needed(whole, car, channels)

@@ -83,7 +83,7 @@ class DamperTuning(Result):
         >>> import numpy as np
         >>> from suspid import Remark, Verdict, quarter_car, road
         >>> from suspid.performance import DamperTuning
-        >>> from suspid.words.ride import DamperTuningHeadline
+        >>> from suspid.words.tuning import DamperTuningHeadline
         >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
         ...                   chassis_damping=1300)
         >>> one = np.array([1300.0])
@@ -137,7 +137,7 @@ class DamperTuning(Result):
         >>> import numpy as np
         >>> from suspid import Remark, Verdict, quarter_car, road
         >>> from suspid.performance import DamperTuning
-        >>> from suspid.words.ride import DamperTuningHeadline
+        >>> from suspid.words.tuning import DamperTuningHeadline
         >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
         ...                   chassis_damping=1300)
         >>> one = np.array([1300.0])

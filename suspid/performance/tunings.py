@@ -94,7 +94,7 @@ class Tuning(Result):
         --------
         >>> import numpy as np
         >>> from suspid import Remark, Tuning, Verdict
-        >>> from suspid.words.ride import TuningHeadline
+        >>> from suspid.words.tuning import TuningHeadline
         >>> found = Tuning(
         ...     objectives=("chassis.travel",), figures=("chassis.travel",), units=("m",), values=np.array([[0.02]]),
         ...     present=np.array([0.03]), parameters=("front_left.damping", "front_right.damping", "rear.damping"),
