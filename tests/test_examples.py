@@ -145,6 +145,7 @@ class TestNotebooks:
 
 
 class TestPicture:
+    @pytest.mark.slow
     def test_goes_where_the_command_line_says(self, tmp_path: Path) -> None:
         run("measured_file.py", tmp_path, str(EXAMPLES / "quarter_car.csv"), "page.png")
         assert [path.name for path in tmp_path.iterdir()] == ["page.png"]

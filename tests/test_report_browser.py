@@ -234,6 +234,7 @@ class TestPhone:
         result.page.close()
 
 
+@pytest.mark.slow
 class TestColours:
     @pytest.mark.parametrize("scheme", ["light", "dark"])
     def test_text_stands_out(self, browser: Browser, file: Path, scheme: Literal["light", "dark"]) -> None:

@@ -53,7 +53,9 @@ def test_a_bilinear_damper_loses_what_the_mean_of_both_ways_does() -> None:
     assert np.log(swing[0] / swing[-1]) / (turns[-2, 0] - turns[0, 0]) == pytest.approx(0.2, rel=0.01)
 
 
-@pytest.mark.parametrize("kind", rigs.KINDS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind != "friction")) for kind in rigs.KINDS]
+)
 def test_the_first_command_finds_the_mode_of_one_mass(kind: str) -> None:
     """At least four files of five: the number of modes, wn within 1 % and zeta within 15 % of the mean over cycles."""
     found = [rigs.outcome(kind, 1, seed) for seed in range(700, 705)]
@@ -61,6 +63,7 @@ def test_the_first_command_finds_the_mode_of_one_mass(kind: str) -> None:
     assert sum(good) >= 4, found
 
 
+@pytest.mark.slow
 def test_the_first_command_finds_the_second_mode_beside_parts_of_one_that_friction_bends() -> None:
     """Parts of the first mode, whose damping friction changes, are stronger in the linear fit than the second mode."""
     one = rigs.outcome("friction", 2, 975_010)
