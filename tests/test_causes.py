@@ -136,6 +136,7 @@ class TestCommands:
         assert {p["name"]: p["value"] for p in first} == {p["name"]: p["value"] for p in second}
         assert "tire.stiffness" in {p["name"] for p in first}
 
+    @pytest.mark.slow
     def test_so_does_analyse(self, rig: Path) -> None:
         found = analyse(rig / "rig.csv", car=NOMINAL)
         assert found.estimate is not None

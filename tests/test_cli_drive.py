@@ -163,6 +163,7 @@ class TestSprings:
 
 
 class TestRoad:
+    @pytest.mark.slow
     def test_tires_and_road_from_stretches_of_one_logger(self, folder: Path) -> None:
         files = [write(folder / f"{seed}.csv", *drive(seed, duration)) for seed, duration in ((11, 150.0), (12, 60.0))]
         done = run("drive", *files, "--car", folder / "car.toml", "--road", "iso8608", "--json", folder / "out.json",
@@ -215,6 +216,7 @@ class TestDampers:
                      "Neither lateral acceleration"):  # fmt: skip
             assert text in page
 
+    @pytest.mark.slow
     def test_a_late_sensor_is_corrected_before_the_curve_is_found(self) -> None:
         times, channels = drive(7, 45.0)
         late = {**channels, "tire_acceleration": np.roll(channels["tire_acceleration"], 1)}

@@ -290,6 +290,7 @@ class TestWhatIsRefused:
         with pytest.raises(InputError, match=r"contains 'thesis.txt', which is not a result of a fleet"):
             identify_many(fleet, output=tmp_path)
 
+    @pytest.mark.slow
     def test_two_runs_into_one_folder(self, fleet: Path, tmp_path: Path) -> None:
         begun = threading.Event()
 
@@ -375,6 +376,7 @@ class TestWhereRecordsComeFrom:
         assert [row["record"] for row in rows(last, "failures")] == ["run000.csv"]
         assert rows(last, "failures")[0]["code"] == str(Failure.CHANGED)
 
+    @pytest.mark.slow
     def test_any_name_of_a_file(self, tmp_path: Path) -> None:
         (tmp_path / "in").mkdir()
         for k, name in enumerate([b"caf\xe9.csv", b"new\nline.csv", "ümläut ×.csv".encode()]):
@@ -384,6 +386,7 @@ class TestWhereRecordsComeFrom:
         assert run.failed == 0
         assert {row["record"] for row in rows(run, "modes")} == {"caf\\udce9.csv", "new\\nline.csv", "ümläut ×.csv"}
 
+    @pytest.mark.slow
     def test_the_results_are_no_records(self, tmp_path: Path) -> None:
         make_fleet(tmp_path / "in", 2)
         for _ in range(2):

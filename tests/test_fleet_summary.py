@@ -277,6 +277,7 @@ class TestAWornDamper:
         assert states == {"V1": DamperState.GOOD, "V2": DamperState.WORN, "V3": DamperState.GOOD}
         assert "2 good, 1 worn" in str(summary)
 
+    @pytest.mark.slow
     def test_names_do_as_well_as_a_table(self, fleet: Path) -> None:
         by_name = fleet_summary(fleet / "out", pattern=r"(?P<vehicle>\w+)/(?P<date>\d{4}-\d{2}-\d{2})")
         assert str(by_name) == str(fleet_summary(fleet / "out", table=fleet / "vehicles.csv"))
@@ -356,6 +357,7 @@ class TestCommand:
         assert refused.exit_code == 1
         assert "car had 'damping = 1500.0  # N s/m', has 'damping = 1400.0  # N s/m'; continue" in refused.stderr
 
+    @pytest.mark.slow
     def test_reasons_of_failures_name_the_options_of_the_command(self, tmp_path: Path) -> None:
         make_fleet(tmp_path / "in", 1)
         (tmp_path / "in" / "untimed.csv").write_text("seat,tire\n" + "1,2\n3,1\n" * 50, encoding="utf-8")

@@ -65,7 +65,12 @@ class TestStartsAndEnds:
     """The decay is found between the release and the dead stop, although no damped exponentials fit friction."""
 
     @pytest.mark.parametrize(
-        ("masses", "bits", "seed"), [(1, 8, 1), (1, 12, 3), (2, 12, 0), pytest.param(2, 8, 3, marks=pytest.mark.slow)]
+        ("masses", "bits", "seed"),
+        [
+            (1, 8, 1),
+            (1, 12, 3),
+            *(pytest.param(2, bits, seed, marks=pytest.mark.slow) for bits, seed in ((8, 3), (12, 0))),
+        ],
     )
     def test_of_the_best_decay_are_those_of_the_rig(self, masses: int, bits: int, seed: int) -> None:
         record = release(masses, bits, seed=seed)

@@ -466,6 +466,7 @@ class TestDriving:
         assert found.explains
         assert found.modes.channels == ("heave", "pitch")
 
+    @pytest.mark.slow
     def test_gain_and_delay_of_a_sensor_on_the_body(self) -> None:
         noise = {"heave": 0.02, "pitch": 0.02, "front": 0.1, "rear": 0.1}
         motions, times = driven(HALF, 8, noise=noise, delay={"pitch": 0.003})

@@ -33,6 +33,8 @@ from suspid.reporting import PAGE
 from suspid.reporting.axes import entitle
 from validation import cars
 
+pytestmark = pytest.mark.slow
+
 # Width and height of a picture on a phone, and of one on a slide of 16:9 [inch].
 PHONE, SLIDE = (3.9, 3.0), (13.33, 7.5)
 RECORD = free_decay(cars.PAPER, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0})

@@ -441,6 +441,7 @@ class TestPage:
         figure = plot_identification(found, Figure(figsize=PAGE))
         assert "wavelet entropy [nat]" not in list(labels(figure))
 
+    @pytest.mark.slow
     def test_eight_modes_in_eight_channels(self) -> None:
         rng = np.random.default_rng(0)
         time, omega = np.linspace(0, 9.999, 10_000), 2 * np.pi * np.geomspace(4, 150, 8)

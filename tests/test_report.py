@@ -505,6 +505,7 @@ class TestNames:
         assert "\u202e" not in text
         assert "49" not in page.text.split("{{ 7")[1][:20]
 
+    @pytest.mark.slow
     def test_the_whole_of_a_long_name_stands_in_the_table(self, hostile: Identification) -> None:
         assert HOSTILE[-1] in [cell.strip() for cell in Page(report(hostile)).cells]
 
@@ -597,6 +598,7 @@ class TestWhatIsThere:
         assert len(page.encode()) < 2e6
 
 
+@pytest.mark.slow
 class TestLongRecords:
     def test_the_page_stays_small(self, long: Identification) -> None:
         assert len(report(long).encode()) < 2e6
@@ -669,6 +671,7 @@ class TestPictures:
         assert len(names) > 8
         assert names <= {colour.css for colour in Colour}
 
+    @pytest.mark.slow
     def test_the_same_picture_whatever_the_users_style(self, found: Identification, pictures: Pictures) -> None:
         with matplotlib.rc_context({"lines.linewidth": 9.0, "font.size": 30.0, "svg.fonttype": "path"}):
             assert drawn(found) == pictures

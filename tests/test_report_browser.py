@@ -32,7 +32,10 @@ FLAGS = [
     "--disable-sync",
     "--no-first-run",
 ]
-pytestmark = pytest.mark.skipif(not Path(CHROMIUM).exists(), reason="there is no chromium here")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not Path(CHROMIUM).exists(), reason="there is no chromium here"),
+]
 
 NAMES = (
     "<script>alert(1)</script>",
@@ -234,7 +237,6 @@ class TestPhone:
         result.page.close()
 
 
-@pytest.mark.slow
 class TestColours:
     @pytest.mark.parametrize("scheme", ["light", "dark"])
     def test_text_stands_out(self, browser: Browser, file: Path, scheme: Literal["light", "dark"]) -> None:
@@ -277,7 +279,6 @@ class TestColours:
         result.page.close()
 
 
-@pytest.mark.slow
 class TestPaper:
     def test_it_prints(self, browser: Browser, file: Path) -> None:
         result = shown(browser, file, width=1280, scheme="dark")

@@ -21,7 +21,9 @@ def changed(car: Suspension, name: str, factor: float) -> Suspension:
 
 
 @pytest.mark.parametrize(
-    "car", [CAR, MOUNTED, FOUR_WHEELS, OVERDAMPED], ids=["quarter", "mounts", "full", "overdamped"]
+    "car",
+    [CAR, MOUNTED, pytest.param(FOUR_WHEELS, marks=pytest.mark.slow), OVERDAMPED],
+    ids=["quarter", "mounts", "full", "overdamped"],
 )
 def test_equal_finite_differences(car: Suspension) -> None:
     names = [name for name in parameter_names(car) if parameter_values(car)[name]]

@@ -246,6 +246,7 @@ class TestIntegrators:
     """A second method: LSODA on the equations written out, with friction that is full above 1e-5 m/s."""
 
     @pytest.mark.parametrize("mount", [None, 2e5])
+    @pytest.mark.slow
     def test_a_curve_with_friction_over_a_road(self, mount: float | None) -> None:
         t, heights = road(2.0)
         changes = {} if mount is None else {"mount_stiffness": {"chassis": mount}}

@@ -74,6 +74,7 @@ def test_limits_hold_and_no_single_rate_is_as_good(found: DamperTuning) -> None:
     assert "one rate" in str(found)
 
 
+@pytest.mark.slow
 def test_beside_a_simulation_of_the_curve(found: DamperTuning) -> None:
     """Weighted acceleration and travel of the car with its curve, integrated exactly between its points."""
     t = np.arange(0, 20, 0.005)

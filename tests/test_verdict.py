@@ -294,6 +294,17 @@ class TestRepeats:
         assert (check.level, check.remark.numbers["modes"]) == (Level.CARE, (1, 2, 3))
         assert apart.verdict.level is Level.CARE
 
+    def test_decays_of_different_modes_do_not_agree(self) -> None:
+        time, rng = np.arange(2000) / 200, np.random.default_rng(1)
+        turns = [(2.0, 0.03), (5.0, 0.04)]
+        rows = [np.exp((-zeta + 1j) * 2 * np.pi * hertz * time).real for hertz, zeta in turns]
+        records = [as_response(time, row[None] + 0.01 * rng.standard_normal((1, 2000)), ["seat"]) for row in rows]
+        repeats = identify_repeats(records)
+        assert [agreement.held for agreement in repeats.consistency] == [(0,), (1,)]
+        assert said(repeats.verdict, ModeCheck.NONE_REPEATED)
+        assert not said(repeats.verdict, ModeCheck.REPEATS_AGREE)
+        assert repeats.verdict.level is Level.CARE
+
 
 class TestWords:
     @pytest.mark.parametrize("code", list(Reason))

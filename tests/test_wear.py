@@ -66,7 +66,13 @@ class TestErrorRates:
     """The rates that are stated, with the drives as assumed; on the edge of what is asked the rate is met, not zero."""
 
     @pytest.mark.parametrize(
-        "setting", [{}, {"nominal": True}, {"history": 3}, pytest.param({"history": 8}, marks=pytest.mark.slow)]
+        "setting",
+        [
+            {},
+            {"nominal": True},
+            pytest.param({"history": 3}, marks=pytest.mark.slow),
+            pytest.param({"history": 8}, marks=pytest.mark.slow),
+        ],
     )
     def test_at_the_edge_of_worn_and_of_good(self, setting: dict[str, bool | int]) -> None:
         # A large rate, so that few draws tell whether it is met: half of it is for the loss, half for the phase.

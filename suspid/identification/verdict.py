@@ -226,6 +226,8 @@ def verdict_of_repeats(repeats: Repeats, level: Ratio = LEVEL) -> Verdict:
         return Verdict(Remark(Headline.NO_MODE), (none, *first.checks))
     apart = numbers_of(np.array([agreement.widening > 1 for agreement in repeats.consistency]))
     check = check_of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
-    if apart:
+    if not any(len(agreement.held) > 1 for agreement in repeats.consistency):
+        check = check_of(ModeCheck.NONE_REPEATED, Level.CARE, {"decays": decays})
+    elif apart:
         check = check_of(ModeCheck.REPEATS_DISAGREE, Level.CARE, {"decays": decays, "modes": apart})
     return Verdict(Remark(Headline.MODES, {"modes": len(repeats.modes)}), (check, *first.checks))

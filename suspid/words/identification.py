@@ -272,6 +272,10 @@ class ModeCheck(Code):
         ),
     )
     NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: the fit contains {_names(n['forces'])}.")
+    NONE_REPEATED = (
+        "none repeated",
+        "No mode is in more than one of the {decays} decays: whether they agree cannot be said.",
+    )
     REPEATS_AGREE = "repeats agree", "{decays} decays agree on the modes within their noise."
     REPEATS_DISAGREE = (
         "repeats disagree",
