@@ -10,7 +10,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model import Suspension
 from suspid.performance.uncertain import Uncertain
-from suspid.reconstruction import QUANTITIES, parameter_values
+from suspid.reconstruction import QUANTITIES, parameter_values, with_values
 from suspid.units import Ratio, RealArray
 from suspid.values import is_size, nearest_names
 from suspid.wording import Argument
@@ -43,12 +43,8 @@ class Choice:
 
     def car(self, x: RealArray, scenario: Mapping[str, float]) -> Suspension:
         """Return the car with chosen parameters, in a scenario."""
-        parts: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "mass": {}}
         drawn = {name: self.values[name] * factor for name, factor in scenario.items()}
-        for name, value in {**drawn, **self.chosen(x)}.items():
-            owner, _, quantity = name.rpartition(".")
-            parts[quantity][owner] = value
-        return self.base.with_parameters(stiffness=parts["stiffness"], damping=parts["damping"], masses=parts["mass"])
+        return with_values(self.base, {**drawn, **self.chosen(x)})
 
 
 def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robust: Ratio) -> Choice:

@@ -15,7 +15,7 @@ import numpy as np
 from suspid.levels import normal_reach
 from suspid.model import Suspension, output_rows
 from suspid.performance.road_response import Signals, densities
-from suspid.performance.uncertain import Uncertain
+from suspid.performance.uncertain import RELAXATION, Uncertain
 from suspid.simulation import Road
 from suspid.units import Ratio, RealArray, Second
 
@@ -25,8 +25,8 @@ BAND_LINES = 256
 # Cars drawn, by points that fill the space evenly: of 512, 13 lie beyond each end of 95 %, known to a tenth of these.
 DRAWN_CARS = 512
 # Directions, each that in which the density at one frequency grows fastest, on both sides of the car, and parts of the
-# way to the ellipsoid. With all three bands hold cars drawn, and the true car, within chance of the level at every
-# frequency; without the cars drawn 87 and 76 % at the worst one, to first order 45 and 85 % (dampers from 250 N s/m).
+# way to the ellipsoid. Without the cars drawn, and to first order alone, bands are too narrow at a resonance: the laws
+# are in tests/test_ride_checks.py.
 STEEPEST_WAYS, PARTS_OF_WAY = 32, (0.5, 1.0)
 # Share of a spring, damper or mass below which a car lacks it; relaxations of mounts may be zero.
 LEAST_LEFT: Ratio = 0.05
@@ -60,7 +60,7 @@ def density_bands(
     )
 
     def ratios(moves: RealArray) -> RealArray:
-        cars = (moved(about, move) for move in moves)
+        cars = (_moved(about, move) for move in moves)
         return np.array([densities(car, wanted, road, lines, relaxations=mounts)[0] for car, mounts in cars]) / middle
 
     reach = normal_reach(level)
@@ -72,17 +72,11 @@ def density_bands(
     return np.exp(ends[0]), np.exp(ends[1])
 
 
-def moved(about: Uncertain, move: RealArray) -> tuple[Suspension, dict[str, Second]]:
+def _moved(about: Uncertain, move: RealArray) -> tuple[Suspension, dict[str, Second]]:
     """Return a car and the relaxations of its mounts with parameters moved by ``move``, as far as there are cars."""
-    changed: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "masses": {}}
-    mounts = dict(about.relaxations)
-    for name, value, by in zip(about.parameters, about.values.tolist(), move.tolist(), strict=True):
-        owner, _, quantity = name.rpartition(".")
-        if quantity == "relaxation":
-            mounts[owner] = max(value + by, 0.0)
-        else:
-            changed["masses" if quantity == "mass" else quantity][owner] = max(value + by, LEAST_LEFT * value)
-    return about.car.with_parameters(**changed), mounts
+    least = [0.0 if name.endswith(RELAXATION) else LEAST_LEFT for name in about.parameters]
+    values = np.maximum(about.values + move, least * about.values)
+    return about.at(dict(zip(about.parameters, values.tolist(), strict=True)))
 
 
 def _on_ellipsoid(slopes: RealArray, covariance: RealArray, reach: Ratio) -> RealArray:

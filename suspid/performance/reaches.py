@@ -16,7 +16,7 @@ import numpy as np
 
 from suspid.levels import EXACT, MOST_BOUNDS, NORMAL_95
 from suspid.model import Suspension
-from suspid.performance.uncertain import Uncertain
+from suspid.performance.uncertain import RELAXATION, Uncertain
 from suspid.units import Ratio, RealArray, Second
 
 # Standard deviations from its bound up to which a parameter has second derivatives: intervals of 99.7 % reach it.
@@ -67,9 +67,9 @@ def bends_of(
     bent: dict[int, RealArray] = {}
     for j in _near(about.values, std, BENT_WITHIN):
         # A mount may be rigid; a car without a spring, damper or mass is another one.
-        least = 0.0 if about.parameters[j].endswith(".relaxation") else float(about.values[j]) / 2
+        least = 0.0 if about.parameters[j].endswith(RELAXATION) else float(about.values[j]) / 2
         ends = max(float(about.values[j] - std[j]), least), float(about.values[j] + std[j])
-        rows = [jacobian(*_with(about, about.parameters[j], value)) for value in ends]
+        rows = [jacobian(*about.at({about.parameters[j]: value})) for value in ends]
         # What a car at an end lacks, as a least phase, does not bend.
         bent[j] = np.nan_to_num((rows[1] - rows[0]) / (ends[1] - ends[0]))
         bends[:, j], bends[:, :, j] = bent[j], bent[j]
@@ -77,15 +77,6 @@ def bends_of(
         for k in bent:
             bends[:, j, k] = (bent[j][:, k] + bent[k][:, j]) / 2
     return bends
-
-
-def _with(about: Uncertain, name: str, value: float) -> tuple[Suspension, Mapping[str, Second]]:
-    """Return the car and its relaxations with one parameter changed."""
-    owner, _, quantity = name.rpartition(".")
-    if quantity == "relaxation":
-        return about.car, {**about.relaxations, owner: value}
-    kind = {"mass": "masses"}.get(quantity, quantity)
-    return about.car.with_parameters(**{kind: {owner: value}}), about.relaxations
 
 
 def _near(values: RealArray, std: RealArray, reach: Ratio) -> list[int]:

@@ -13,7 +13,7 @@ from suspid.errors import InputError
 from suspid.files import printable
 from suspid.greybox import Estimate
 from suspid.model import Suspension
-from suspid.reconstruction import QUANTITIES, Reconstruction, parameter_names, parameter_values
+from suspid.reconstruction import QUANTITIES, Reconstruction, parameter_names, parameter_values, with_values
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import frozen_real, is_size, nearest_names
 from suspid.wording import Argument
@@ -22,6 +22,8 @@ from suspid.words import EstimateCheck, Level
 ALL = "all springs, dampers and masses"
 # Relative standard deviation of a positive parameter from which on nothing is known of it.
 MOST_STATED = 1.0
+# What the name of a parameter ends with that is the relaxation of a mount.
+RELAXATION = ".relaxation"
 # What figures are computed of: a car as described, or as found with its uncertainty.
 Car: TypeAlias = Suspension | Estimate | Reconstruction
 
@@ -38,6 +40,13 @@ class Uncertain:
     known: tuple[str, ...]
     nominal: tuple[str, ...]  # what of it the records could not tell, so that it stayed nominal
     doubt: Level | None  # the level of the estimate's verdict, where it is below sound
+
+    def at(self, values: Mapping[str, float]) -> tuple[Suspension, dict[str, Second]]:
+        """Return the car and the relaxations of its mounts with some parameters changed, by their names."""
+        mounts = {name: value for name, value in values.items() if name.endswith(RELAXATION)}
+        changed = {name: value for name, value in values.items() if name not in mounts}
+        relaxations = {name.removesuffix(RELAXATION): value for name, value in mounts.items()}
+        return with_values(self.car, changed), {**self.relaxations, **relaxations}
 
 
 def uncertain(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Uncertain:

@@ -21,6 +21,7 @@ from suspid.reconstruction.unknowns import (
     parameter_values,
     parameter_vector,
     unit_of,
+    with_values,
 )
 from suspid.reconstruction.wishes import Constraints, wishes_of
 
@@ -45,4 +46,5 @@ __all__ = [
     "unit_of",
     "unknowns_of",
     "wishes_of",
+    "with_values",
 ]

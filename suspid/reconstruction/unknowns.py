@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,6 +113,25 @@ def parameter_names(car: Suspension) -> list[str]:
 def parameter_values(car: Suspension) -> dict[str, float]:
     """Return every parameter by name, such as ``"tire.stiffness"``, in its unit."""
     return dict(zip(parameter_names(car), parameter_vector(car).tolist(), strict=True))
+
+
+def with_values(car: Suspension, values: Mapping[str, float]) -> Suspension:
+    """Return a suspension with some parameters changed, by their names.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> changed = with_values(car, {"chassis.damping": 900.0, "tire.mass": 45.0})
+    >>> [name for name, value in parameter_values(changed).items() if value != parameter_values(car)[name]]
+    ['chassis.damping', 'tire.mass']
+    """
+    parts: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "mass": {}}
+    for name, value in values.items():
+        owner, _, quantity = name.rpartition(".")
+        parts[quantity][owner] = value
+    return car.with_parameters(stiffness=parts["stiffness"], damping=parts["damping"], masses=parts["mass"])
 
 
 def unit_of(parameter: str) -> str:

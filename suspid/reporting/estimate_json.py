@@ -25,7 +25,7 @@ from suspid.greybox import Estimate, nominal_value, parameter_unit
 from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
 from suspid.model import Suspension, car_from_toml, car_to_toml
-from suspid.reconstruction import parameter_values
+from suspid.reconstruction import parameter_values, with_values
 from suspid.reporting.estimate_checks import check_cars, check_judgement, check_parameters, checked_covariance
 from suspid.reporting.limits_json import limits_to_dict
 from suspid.reporting.road_json import road_from_dict, road_to_dict
@@ -189,18 +189,10 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
         chi_square=float("nan") if content["chi_square"] is None else float(content["chi_square"]),
         freedom=int(content["freedom"]),
         explains=content["explains"],
-        alternatives=tuple(_with(nominal, values) for values in content["alternatives"]),
+        alternatives=tuple(with_values(nominal, values) for values in content["alternatives"]),
         verdict=_verdict(content["verdict"]),
         road=tuple(road_from_dict(road) for road in content.get("road", ())),
     )
-
-
-def _with(car: Suspension, values: Mapping[str, float]) -> Suspension:
-    parts: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "mass": {}}
-    for name, value in values.items():
-        owner, _, quantity = name.rpartition(".")
-        parts[quantity][owner] = value
-    return car.with_parameters(stiffness=parts["stiffness"], damping=parts["damping"], masses=parts["mass"])
 
 
 def _verdict(content: Mapping[str, Any]) -> Verdict:
