@@ -378,6 +378,9 @@ class TestUnitsInNames:
         both = {"a": ("time", self.NOISE, {"units": "mm"}), "b": ("time", self.NOISE, {"units": "weird"})}
         with pytest.raises(RecordError, match=r"the unit of 'b' is not known"):
             as_record(xr.Dataset(both, coords=coords))
+        other = xr.DataArray(self.NOISE, dims="time", coords=coords, name="acc [g]", attrs={"units": "mm"})
+        with pytest.raises(RecordError, match=r"'mm' by units, and one of m/s2 by its name"):
+            as_record(other)
 
 
 @pytest.mark.parametrize("place", [0, 6, 199])

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.cleaning.conversions import name_in_si, si_unit, to_si
+from suspid.cleaning.conversions import converted
 from suspid.cleaning.data_forms import RecordLike, is_response, real_samples, samples_of
 from suspid.errors import RecordError
-from suspid.io import bracketed_unit
 from suspid.records import as_response
 from suspid.signals import check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
@@ -51,8 +50,9 @@ def as_record(
     channels : sequence of str, optional
         Names of the channels. Default: those of the table, or y[0], y[1], ….
     units : sequence of str or mapping of str to str, optional
-        Unit of each channel in order, or of some by name; these are converted to SI. Default: the attribute ``units``
-        of xarray; other samples stay as they are.
+        Unit of each channel in order, or of some by name; these are converted to SI, and named so where a name states
+        its unit. Default: the attribute ``units`` of xarray, where that of every variable is known; other samples stay
+        as they are.
 
     Returns
     -------
@@ -63,7 +63,8 @@ def as_record(
     ------
     RecordError
         If the data has no time and no ``fs``, is complex or masked, has samples in rows instead of columns where their
-        number is not known from the time, or time is irregular.
+        number is not known from the time, or time is irregular; if a name states another unit than ``units``, or only
+        some variables of xarray have a unit that is known.
     InputError
         If a unit is not known.
 
@@ -131,8 +132,5 @@ def _converted(
     rows, called = [*values], [*names]
     for k, unit in enumerate(stated):
         if unit is not None:
-            rows[k], si = to_si(values[k], unit)
-            called[k] = name_in_si(names[k], si)
-            if (own := si_unit(bracketed_unit(called[k]))) not in ("", si):
-                raise RecordError(f"channel {names[k]!r} has the unit {unit!r} by units, and one of {own} by its name")
+            rows[k], called[k] = converted(values[k], names[k], unit)
     return np.array(rows), called

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from suspid.arguments import explained
-from suspid.errors import InputError
+from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.io import bracketed_unit
 from suspid.records import like
@@ -113,6 +113,28 @@ def name_in_si(name: str, unit: str) -> str:
         return name
     at = name.rindex(before)
     return f"{name[:at]}{unit}{name[at + len(before) :]}"
+
+
+def converted(values: RealArray, name: str, unit: str) -> tuple[RealArray, str]:
+    """Return samples of a channel in SI units, and its name.
+
+    Raises
+    ------
+    InputError
+        If the unit is not known.
+    RecordError
+        If the name states a unit of another quantity.
+
+    Examples
+    --------
+    >>> converted(np.array([1.0, -2.0]), "seat [mm]", "mm")
+    (array([ 0.001, -0.002]), 'seat [m]')
+    """
+    samples, si = to_si(values, unit)
+    called = name_in_si(name, si)
+    if (own := si_unit(bracketed_unit(called))) not in ("", si):
+        raise RecordError(f"channel {name!r} has the unit {unit!r} by units, and one of {own} by its name")
+    return samples, called
 
 
 @explained

@@ -6,8 +6,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from suspid.cleaning.conversions import name_in_si, to_si
-from suspid.errors import InputError, RecordError
+from suspid.cleaning.conversions import converted, si_unit
+from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.io import bracketed_unit, is_time, seconds_in
 from suspid.recordings import Recording
@@ -124,7 +124,7 @@ def _of_xarray(
     arrays = {str(name): data[name] for name in data.data_vars} if hasattr(data, "data_vars") else {"": data}
     rows: list[RealArray] = []
     names: list[str] = []
-    stated: list[tuple[str, str]] = []
+    unknown: list[str] = []
     time: RealArray | None = None
     for name, array in arrays.items():
         along, time = _along_time(array, name or "the array", samples)
@@ -132,12 +132,16 @@ def _of_xarray(
         block = _matrix(array.transpose(*others, along).to_numpy(), samples)
         own = str(name or array.name or "y[0]")
         labels = [str(label) for label in array[others[0]].to_numpy()] if others else [own]
-        block, si = _by_attribute(block, array) if own_units else (block, "")
-        stated.append((own, si))
+        called = [f"{name}_{label}" if name and others else label for label in labels]
+        unit = str(array.attrs.get("units", "")) if own_units else ""
+        if si_unit(unit):
+            pairs = [converted(row, label, unit) for row, label in zip(block, called, strict=True)]
+            block, called = np.array([row for row, _ in pairs]), [label for _, label in pairs]
+        else:
+            unknown.append(own)
         rows.append(block)
-        names += [name_in_si(f"{name}_{label}" if name and others else label, si) for label in labels]
-    unknown = [name for name, si in stated if not si]
-    if 0 < len(unknown) < len(stated):
+        names += called
+    if 0 < len(unknown) < len(arrays):
         raise RecordError(
             f"the unit of {listed(unknown)} is not known, those of the other variables are: state all of them (",
             Argument("units"),
@@ -163,14 +167,6 @@ def _along_time(array: RecordLike, what: str, samples: int | None) -> tuple[Reco
     if stated or array.ndim not in (1, 2) or (array.ndim == 2 and len(bare) != 1):
         raise RecordError(f"{what} needs a dimension called time, and one more at most, as in data.rename(dim='time')")
     return (bare or array.dims)[0], None
-
-
-def _by_attribute(values: RealArray, array: RecordLike) -> tuple[RealArray, str]:
-    """Return samples in SI units by the attribute "units" of an array of xarray, and that unit, if one is stated."""
-    try:
-        return to_si(values, str(array.attrs.get("units", "")))
-    except InputError:
-        return values, ""
 
 
 def _matrix(data: RecordLike, samples: int | None = None) -> RealArray:
