@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from textwrap import wrap
 
 import numpy as np
 from tabulate import tabulate
@@ -53,6 +54,27 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
             use.append(left.pop(0))
         parts.append(use)
     return "\n\n".join(_part([heads[i] for i in use], [cells[i] for i in use]) for use in parts)
+
+
+def sentence_table(
+    columns: Mapping[str, Sequence[str]], heading: str, sentences: Sequence[Sequence[str]], width: int
+) -> str:
+    """Return a table whose last column has sentences, any number a row, cut into lines of at most ``width`` letters.
+
+    Examples
+    --------
+    >>> print(sentence_table({"records": ["3"]}, "such as", [["seat.csv: contains no row of numbers"]], 20))
+      records  such as
+    ---------  ------------------
+            3  seat.csv: contains
+               no row of numbers
+    """
+    lines = [[line for one in row for line in wrap(one, width)] or [""] for row in sentences]
+    long = {
+        name: [cell for text, own in zip(column, lines, strict=True) for cell in (text, *[""] * (len(own) - 1))]
+        for name, column in columns.items()
+    }
+    return text_table({**long, heading: [line for own in lines for line in own]}, words=[heading])
 
 
 def _heading(name: str, cut: int) -> list[str]:

@@ -6,12 +6,11 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from textwrap import wrap
 
 from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution
 from suspid.fleet.trends import Trend
-from suspid.text_tables import figures_of, text_table
+from suspid.text_tables import figures_of, sentence_table, text_table
 from suspid.words import (
     DamperState,
     count,
@@ -40,22 +39,8 @@ def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int], said: 
 
 
 def with_examples(columns: Mapping[str, Sequence[str]], examples: Sequence[str]) -> str:
-    """Return a table with a sentence beside each row, on lines of its own within a terminal.
-
-    Examples
-    --------
-    >>> print(with_examples({"records": ["3"]}, ["seat.csv: contains no row of numbers; a record has at least two"]))
-      records  such as
-    ---------  -----------------------------------------------------------
-            3  seat.csv: contains no row of numbers; a record has at least
-               two
-    """
-    lines = [wrap(one, SENTENCE) or [""] for one in examples]
-    long = {
-        name: [cell for text, own in zip(column, lines, strict=True) for cell in (text, *[""] * (len(own) - 1))]
-        for name, column in columns.items()
-    }
-    return text_table({**long, "such as": [line for own in lines for line in own]}, words=["such as"])
+    """Return a table with a sentence beside each row, on lines of its own within a terminal."""
+    return sentence_table(columns, "such as", [[one] for one in examples], SENTENCE)
 
 
 def wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.files import printable
-from suspid.text_tables import COLUMN_GAP, TERMINAL, text_table
+from suspid.text_tables import COLUMN_GAP, TERMINAL, sentence_table, text_table
 from suspid.units import Second
 from suspid.words import Check, Code, Level, Remark, Verdict
 from suspid.words.drives import DriveReason, DriveRemark
@@ -42,16 +41,8 @@ def stretch_table(drives: Sequence[Drive]) -> str:
         "": ["taken" if one.taken else "left" for one in drives],
     }
     taken = max(map(len, text_table(columns).split("\n")))
-    lines = [
-        [line for reason in one.reasons for line in wrap(printable(str(reason)), TERMINAL - taken - COLUMN_GAP)]
-        for one in drives
-    ]
-    long = {
-        name: [cell for text, own in zip(column, lines, strict=True) for cell in (text, *[""] * (len(own) - 1))]
-        for name, column in columns.items()
-    }
-    because = {"because": [line for own in lines for line in own]}
-    return text_table({**long, **because}, words=because)
+    reasons = [[printable(str(reason)) for reason in one.reasons] for one in drives]
+    return sentence_table(columns, "because", reasons, TERMINAL - taken - COLUMN_GAP)
 
 
 def _second(time: Second) -> str:
