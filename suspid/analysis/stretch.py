@@ -12,13 +12,14 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
+from suspid.analysis.longer import goes_on, longer_decays, shows_more
 from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.records import cut, late_start, like
-from suspid.signals import as_signal
-from suspid.units import Second
+from suspid.signals import Signal, as_signal
+from suspid.units import RealArray, Second
 from suspid.words import DecayDoubt, Note, Number, Remark
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
-        return _once_free(record, _best(record, settings), settings)
+        return _once_free(record, _longer(record, _best(record, settings), settings), settings)
     decays = find_decays(record)
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
@@ -111,6 +112,30 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
 
 
+def _longer(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
+    """Return the longer decay of which the best one is a part, if that shows more of its modes."""
+    decays = best.decays
+    if len(best.used) != 1 or not isinstance(decays, Decays):
+        return best
+    signal = as_signal(record)
+    end = float(signal.timepts[-1])
+    for decay in longer_decays(best.used[0], decays, end):
+        best = replace(best, identification=best.identification or tried(best.record, settings))
+        if decay.start == best.used[0].start and not goes_on(best.identification, _after(signal, best)):
+            continue
+        used = _of(record, decays, decay)
+        found = tried(used.record, settings)
+        if found is not None and shows_more(found, best.identification):
+            return replace(used, identification=found)
+    return best
+
+
+def _after(signal: Signal, best: Used) -> RealArray:
+    """Return the samples of a record after the stretch that is used, (channel, sample), of its channels."""
+    rows = [signal.channels.index(name) for name in as_signal(best.record).channels]
+    return signal.values[rows][:, signal.timepts > best.used[0].stop + 0.5 * signal.step]
+
+
 def _once_free(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
     """Return the decay from a later start on where modes at its start stand for a force that ends."""
     if len(best.used) != 1:
@@ -122,6 +147,8 @@ def _once_free(record: control.TimeResponseData, best: Used, settings: Settings)
         return best
     start = as_signal(best.record).start
     for later in later_starts(record, found):
+        if start + later >= decay.stop:
+            break
         used = _of(record, decays, replace(decay, start=start + later))
         free = tried(used.record, settings)
         if free is not None and settled(free) and freed(found, free):

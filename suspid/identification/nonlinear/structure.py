@@ -14,7 +14,7 @@ import numpy as np
 from suspid.identification.noise import degrees_of_freedom
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import OF_SPEED, Force
-from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
+from suspid.identification.nonlinear.motion import Motion, Structures, motion_of, steps_of
 from suspid.units import ComplexArray, RealArray
 
 # Share of the largest speeds by which a unit of force within a radian of the fastest mode may change positions, in
@@ -24,6 +24,8 @@ JUMP = 3e-5
 CHANGE, SETTLED = 1e-6, 0.1
 # Steps at most, and tries of each: a start without forces takes 4 to 8 steps.
 MOST_REFINED, TRIES = 15, 4
+# A fit may make a motion take this many times the steps of its start: a pole that runs away would take minutes.
+MOST_STEPS_OVER = 2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -143,7 +145,8 @@ def structure_of(
 
 def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
     """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps."""
-    fit, damping = start, 1e-3
+    fit, damping, count = start, 1e-3, start.residual.shape[1]
+    longest = MOST_STEPS_OVER * steps_of(start.theta, count, start.structures.kind)
     for _ in range(steps):
         slopes = fit.nearby.slopes(fit)
         scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
@@ -161,7 +164,8 @@ def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
         for _ in range(TRIES):
             step = np.linalg.lstsq(information + damping * np.eye(len(information)), gradient, rcond=None)[0] * scale
             structures = _with_parameters(fit.structures, (_parameters(fit.structures) + step)[None])
-            trial = _evaluated(fit.record, structures, fit.order) if _possible(structures, fit) else None
+            possible = _possible(structures, fit) and steps_of(structures.theta[0], count, structures.kind) <= longest
+            trial = _evaluated(fit.record, structures, fit.order) if possible else None
             if trial is not None and _cost(trial) < before:
                 better = trial
                 break

@@ -1,0 +1,48 @@
+"""Of a decay that a record shows in parts, the whole is used where that tells more."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from suspid import analyse
+from suspid.identification.nonlinear import motion, structure
+from validation import rigs
+
+
+class TestTwoMasses:
+    # Parts of one decay: its end alone, of two that overlap the later one, of one that is cut off where the fast mode
+    # has died. All are files of the simulator in `validation`, which shares nothing with the library.
+    @pytest.mark.parametrize("seed", [3000003, 3000020, 3000011])
+    def test_both_modes_are_found_from_the_release_on(self, seed: int, tmp_path: Path) -> None:
+        record = rigs.release("bilinear", 2, seed=seed)
+        rigs.write(record, tmp_path / "release.csv")
+        found = analyse(tmp_path / "release.csv")
+        assert found.modes.wn == pytest.approx(record.rig.wn / record.pace, rel=0.01)
+        # Within a period of the slowest mode after the release: the fast one has decayed after two or three.
+        period = 2 * np.pi / float(record.rig.wn[0])
+        (used,) = found.used
+        assert record.start <= used.start < record.start + period
+
+    def test_no_motion_is_computed_beyond_the_nyquist_frequency(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        # A fit to few samples put a pole at 25 times the sampling rate: its motion took minutes.
+        turns = list[float]()
+
+        def recorded(of: motion.Structures, count: int) -> motion.Motion:
+            turns.append(float(np.max(np.abs(of.theta))))
+            return motion.motion_of(of, count)
+
+        monkeypatch.setattr(structure, "motion_of", recorded)
+        rigs.write(rigs.release("bilinear", 2, seed=3000011), tmp_path / "release.csv")
+        analyse(tmp_path / "release.csv")
+        # A step of a fit may double a pole, and is then refused.
+        assert turns
+        assert max(turns) < 2 * np.pi
+
+    def test_a_late_start_leaves_no_stretch_to_try(self, tmp_path: Path) -> None:
+        # Masses that friction stops within a cycle: later starts that are tried end with the decay.
+        record = rigs.release("friction", 2, seed=3000015)
+        rigs.write(record, tmp_path / "release.csv")
+        assert analyse(tmp_path / "release.csv").used
