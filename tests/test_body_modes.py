@@ -108,3 +108,18 @@ def test_a_periodogram_of_white_noise_is_flat() -> None:
     values = np.random.default_rng(3).standard_normal(500_000)
     made = periodograms([(values, STEP)], order=2, band=(0.5, 6.0))
     assert made.mean == pytest.approx(np.ones(made.hertz.size), abs=0.2)
+
+
+@pytest.mark.parametrize("rate", [10.0, 8.0])
+def test_a_slow_record_is_used_up_to_what_its_rate_passes(rate: float) -> None:
+    """The bands end at 0.4 times the rate: the mode below is found, and the same record kept slower is refused."""
+    whole = ride(11)
+    f = np.fft.rfftfreq(whole.size, STEP)
+    count = round(whole.size * STEP * rate)
+    lines = np.fft.rfft(whole)[: count // 2 + 1] * (f[: count // 2 + 1] < 0.4 * rate)
+    slow = np.fft.irfft(lines, count)
+    (mode,) = body_modes([as_response(np.arange(count) / rate, slow[None], ["body"])])
+    low, high = mode.interval(0.99)
+    assert low < 1.4 < high
+    with pytest.raises(RecordError, match=r"7 Hz is too slow .* record with 7.5 Hz at least"):
+        body_modes([as_response(np.arange(count) / 7, slow[None], ["body"])])

@@ -28,16 +28,15 @@ from suspid.greybox.trials import records_of
 from suspid.greybox.wheels import body_channels
 from suspid.levels import likely
 from suspid.model import Suspension, output_weights
-from suspid.signals import as_signal
+from suspid.signals import PASSED, as_signal
+from suspid.units import Hertz, Second
 from suspid.words import Remark
 from suspid.words.drives import BodyCheck
 
 # Models: straight or bent roads, the damper's numerator as it follows or free, in bands that begin and end elsewhere.
 # Below 0.5 Hz accelerometers show slopes and braking.
 BANDS = ((0.5, 4.0), (0.5, 6.0), (0.7, 5.0))
-SHAPES = tuple(
-    Shape(bent=bent, numerator=free, band=band) for band in BANDS for bent in (False, True) for free in (False, True)
-)
+LEAST_TOP: Hertz = 3.0  # where bands end at least: twice the frequency of the body of an ordinary car
 FEWEST_PARTS = 6  # fewer say nothing of their scatter
 AT_BOUND_SHARE = 0.02  # of the range of a parameter: nearer to an end it is not determined
 
@@ -95,12 +94,31 @@ def body_modes(
         if any(name not in signal.channels for signal in signals):
             raise InputError(f"there is no channel {name!r} in every stretch")
     rng = np.random.default_rng(0) if rng is None else rng
+    bands = _bands(max(signal.step for signal in signals))
+    band = min(low for low, _ in bands), max(high for _, high in bands)
     modes = []
     for name in names:
         rows = [(signal.values[signal.channels.index(name)], signal.step) for signal in signals]
         order = 2 if car is None else _order(car, name)
-        modes.append(_mode(name, periodograms(rows, order=order, band=(BANDS[0][0], BANDS[1][1])), rng))
+        modes.append(_mode(name, periodograms(rows, order=order, band=band), bands, rng))
     return BodyModes(modes=tuple(modes), seconds=float(sum(signal.duration for signal in signals)))
+
+
+def _bands(step: Second) -> tuple[tuple[Hertz, Hertz], ...]:
+    """Return the bands of the models, up to what the sampling passes.
+
+    Raises
+    ------
+    RecordError
+        If too little remains.
+    """
+    top = PASSED / step
+    if top < LEAST_TOP:
+        raise RecordError(
+            f"{1 / step:.4g} Hz is too slow for the body's frequency: at that rate the spectrum is known up to {top:.2g} "
+            f"Hz, and {LEAST_TOP:g} Hz are needed; record with {LEAST_TOP / PASSED:g} Hz at least"
+        )
+    return tuple(dict.fromkeys((low, min(high, top)) for low, high in BANDS))
 
 
 def _on_body(channels: Sequence[str], car: Suspension | None) -> list[str]:
@@ -114,7 +132,9 @@ def _order(car: Suspension, channel: str) -> int:
     return output_weights(car, channel)[0]
 
 
-def _mode(channel: str, spectra: Periodograms, rng: np.random.Generator) -> BodyMode:
+def _mode(
+    channel: str, spectra: Periodograms, bands: Sequence[tuple[Hertz, Hertz]], rng: np.random.Generator
+) -> BodyMode:
     blocks = np.unique(spectra.blocks)
     if len(blocks) < FEWEST_PARTS:
         raise RecordError(
@@ -123,7 +143,13 @@ def _mode(channel: str, spectra: Periodograms, rng: np.random.Generator) -> Body
         )
     mean, nothing = spectra.mean, float("nan")
     worth = WORTH * len(spectra.power) / LINE_WIDTH
-    every = [fitted(shape, spectra.hertz, mean) for shape in SHAPES]
+    shapes = [
+        Shape(bent=bent, numerator=free, band=band)
+        for band in bands
+        for bent in (False, True)
+        for free in (False, True)
+    ]
+    every = [fitted(shape, spectra.hertz, mean) for shape in shapes]
     kept = [one for one in every if not _ruled_out(one, every, worth)]
     gain = [worth * (misfit_without(spectra.hertz, mean, one.shape.band) - one.misfit) for one in kept]
     # A resonance has three parameters more than a smooth spectrum of the same slope; in every model it must be there.
@@ -154,6 +180,7 @@ def _ruled_out(one: Fitted, every: Sequence[Fitted], worth: float) -> bool:
 
 
 def _at_end(one: Fitted) -> bool:
-    """Return whether frequency or damping ended at a bound: the spectrum has no peak that belongs to a mode."""
+    """Return whether frequency or damping ended at a bound, or beyond the band: there is no peak of a mode."""
     share = (one.parameters - LOWER) / (UPPER - LOWER)
-    return bool(np.any((share[2:4] < AT_BOUND_SHARE) | (share[2:4] > 1 - AT_BOUND_SHARE)))
+    ended = np.any((share[2:4] < AT_BOUND_SHARE) | (share[2:4] > 1 - AT_BOUND_SHARE))
+    return bool(ended) or one.hertz > one.shape.band[1]
