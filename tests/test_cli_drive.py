@@ -322,6 +322,18 @@ class TestRefusals:
         assert done.exit_code == 0
         assert "There is no result" in done.output
 
+    @pytest.mark.parametrize(("every", "why"), [(1, "are too few for intervals"), (30, "Hz is too slow")])
+    def test_usable_stretches_that_show_no_frequency_are_an_answer(self, folder: Path, every: int, why: str) -> None:
+        times, channels = drive()
+        body = {name: values[::every] for name, values in channels.items() if "tire" not in name}
+        file = write(folder / "short.csv", times[::every], body)
+        done = run("drive", file, "--car", folder / "car.toml", "--page", folder / "page.html", "--json", folder / "o")
+        assert done.exit_code == 0, done.output
+        for text in ("moving at", "no frequency of the body from", why, "There is no result"):
+            assert text in done.output
+        assert why in (folder / "page.html").read_text(encoding="utf-8")
+        jsonschema.validate(json.loads((folder / "o").read_text(encoding="utf-8")), json_schema("drive"))
+
     def test_reasons_of_many_channels_fit_a_line(self) -> None:
         names = tuple(f"channel {i}" for i in range(12))
         said = str(Remark(DriveReason.CLIPPED, {"channels": names}))

@@ -13,7 +13,7 @@ from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.settings import Settings
 from suspid.arguments import explained
-from suspid.errors import InputError
+from suspid.errors import InputError, RecordError
 from suspid.files import naming, printable
 from suspid.greybox import (
     DamperCurve,
@@ -62,6 +62,7 @@ def analyse_drive(
     was measured, springs and dampers are estimated over all stretches jointly (`estimate`, with the wheels given), the
     curve of each damper is found (`damper_curve`), and its wear and its wheel's grip are judged (`wear`). Where only
     the body was measured, its frequencies are found (`body_modes`); damping is not, because the road is not known.
+    Usable stretches that are too short for that are a result without frequencies, which says so.
 
     Parameters
     ----------
@@ -150,7 +151,11 @@ def analyse_drive(
             + (f" (not shown: {', '.join(missing)})" if missing else "")
         )
     notes = [Check(Remark(DriveRemark.NO_WHEELS, {"names": missing}), Level.NOTE)] if missing else []
-    body = body_modes(records, car=car)
+    try:
+        body = body_modes(records, car=car)
+    except RecordError as error:
+        notes.append(Check(Remark(DriveRemark.NO_FREQUENCIES, {"why": error.wording}), Level.NONE))
+        return DriveAnalysis(drives=tuple(drives), estimate=None, body=None, notes=tuple(notes))
     return DriveAnalysis(drives=tuple(drives), estimate=None, body=body, notes=tuple(notes))
 
 

@@ -137,6 +137,8 @@ class DriveAnalysis(Result):
         """
         found = self.estimate or self.body
         numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
+        if found is None and self.usable:
+            return Verdict(Remark(DriveHeadline.NOTHING, numbers), self.remarks)
         if found is None:
             return nothing_usable([stretch for one in self.drives for stretch in one], self.remarks)
         code = DriveHeadline.SPRINGS if self.estimate else DriveHeadline.FREQUENCIES

@@ -115,8 +115,8 @@ def _bands(step: Second) -> tuple[tuple[Hertz, Hertz], ...]:
     top = PASSED / step
     if top < LEAST_TOP:
         raise RecordError(
-            f"{1 / step:.4g} Hz is too slow for the body's frequency: at that rate the spectrum is known up to {top:.2g} "
-            f"Hz, and {LEAST_TOP:g} Hz are needed; record with {LEAST_TOP / PASSED:g} Hz at least"
+            f"{1 / step:.4g} Hz is too slow for the body's frequency: at that rate the spectrum is known up to "
+            f"{top:.2g} Hz, and {LEAST_TOP:g} Hz are needed; record with {LEAST_TOP / PASSED:g} Hz at least"
         )
     return tuple(dict.fromkeys((low, min(high, top)) for low, high in BANDS))
 

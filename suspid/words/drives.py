@@ -122,6 +122,7 @@ class DriveRemark(Code):
             )
         ),
     )
+    NO_FREQUENCIES = "no frequencies", "The frequencies of the body were not found: {why}."
     CURVES_FROM = (
         "curves from",
         "The curves of the dampers are from the longest stretches, {used:.4g} of {seconds:.4g} s.",
@@ -175,6 +176,7 @@ class DriveHeadline(Code):
 
     SPRINGS = "springs", "springs and dampers from {seconds:.4g} usable of {length:.4g} s"
     FREQUENCIES = "frequencies", "frequencies of the body from {seconds:.4g} usable of {length:.4g} s"
+    NOTHING = "nothing", "no frequency of the body from {seconds:.4g} usable of {length:.4g} s"
 
 
 class BodyCheck(Code):
