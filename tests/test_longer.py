@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from suspid import analyse
-from suspid.identification.nonlinear import motion, structure
+from suspid.identification.nonlinear import motion, search, structure
 from validation import rigs
 
 
@@ -34,6 +34,7 @@ class TestTwoMasses:
             turns.append(float(np.max(np.abs(of.theta))))
             return motion.motion_of(of, count)
 
+        search._found.cache_clear()
         monkeypatch.setattr(structure, "motion_of", recorded)
         rigs.write(rigs.release("bilinear", 2, seed=3000011), tmp_path / "release.csv")
         analyse(tmp_path / "release.csv")
