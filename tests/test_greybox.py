@@ -433,6 +433,27 @@ class TestJudgement:
         assert not found.explains
         assert found.verdict.level is Level.DOUBTFUL
 
+    @pytest.mark.parametrize(("lacking", "level"), [(True, Level.DOUBTFUL), (False, Level.CARE)])
+    def test_a_residual_that_follows_the_road_is_no_noise(self, lacking: bool, level: Level) -> None:
+        """A load that swings on the body is missing from the car; or there is noise as loud, as coloured."""
+        load = Strut(name="load", stiffness=100 * 14.0**2, damping=300.0, arms={"load": 1.0, "chassis": -1.0})
+        true = Suspension(masses={**QUARTER.masses, "load": 100.0}, struts=[*QUARTER.struts, load])
+        rng, times = np.random.default_rng(5), np.arange(0, 40, 0.005)
+        road, other = (
+            np.sum(amount * np.sin(2 * np.pi * f * times[:, None] + rng.uniform(0, 6, f.size)), axis=1)
+            for amount, f in ((0.002, np.arange(0.5, 6.0, 0.025)), (0.0004, np.arange(0.51, 6.0, 0.025)))
+        )
+        made = simulate(true if lacking else QUARTER, times, {"road": road}, outputs=["chassis", "tire"])
+        rows = np.asarray(made.outputs) + 1e-4 * rng.standard_normal(made.outputs.shape)
+        rows[0] += 0.0 if lacking else np.squeeze(simulate(QUARTER, times, {"road": other}, outputs=["chassis"]).y)
+        record = record_of(dict(zip(["chassis", "tire"], rows, strict=True)), {"road": road}, times)
+        found = estimate(record, QUARTER.with_parameters(damping={"chassis": 1100}), given=("road",))
+        left = np.std(np.asarray(found.residual[0].outputs), axis=1) / np.std(rows, axis=1)
+        assert 0.1 < np.max(left) < 0.316
+        (check,) = [one for one in found.verdict.checks if one.remark.code is EstimateCheck.UNEXPLAINED]
+        assert check.level is level
+        assert ("follows what moved the car" in str(check)) is lacking
+
     def test_white_noise_passes_and_a_decay_in_it_fails(self) -> None:
         rng = np.random.default_rng(3)
         noise = rng.standard_normal((200, 1000))

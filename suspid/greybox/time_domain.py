@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 
 from suspid.errors import ReconstructionError
+from suspid.greybox.caused_residual import caused_share
 from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
 from suspid.greybox.problem import Problem
@@ -20,12 +21,15 @@ from suspid.identification import ABOVE_RESOLUTION
 from suspid.levels import CHI_SQUARE_95, likely
 from suspid.model import ModalSet, Suspension, eigenmodes
 from suspid.reconstruction import QUANTITIES, reconstruct
-from suspid.units import RealArray
+from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
 # Share of a channel's power beyond which a residual that is not white is no mere colour of the noise: 10 dB below it.
 MOST_COLOURED = 0.1
+# Share of a channel's motion (root mean square) that may be left of it and follow a known road or force. No noise does;
+# sensors and inputs are known to a few hundredths.
+MOST_CAUSED = 0.1
 # Share of a channel's power below which a residual says nothing against a car: 1e-4 of the motion. Sensors are linear
 # to 1e-3 at best; what is left of simulated motion is that inputs between samples are not known.
 LEAST_SEEN = 1e-8
@@ -169,8 +173,21 @@ def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray])
     if share < LEAST_SEEN:
         exact = Remark(EstimateCheck.NEARLY_EXACT, {**numbers, "share": float(np.sqrt(share))})
         return total, freedom, True, Check(exact, Level.SOUND)
-    level = Level.DOUBTFUL if share > MOST_COLOURED else Level.CARE
+    caused, follower = _caused(problem, errors)
+    if caused > MOST_CAUSED:
+        numbers |= {"caused": caused, "follower": follower}
+    level = Level.DOUBTFUL if share > MOST_COLOURED or caused > MOST_CAUSED else Level.CARE
     return total, freedom, False, Check(Remark(EstimateCheck.UNEXPLAINED, numbers), level)
+
+
+def _caused(problem: Problem, errors: list[OutputError]) -> tuple[Ratio, str]:
+    """Return how much of the motion of a channel is left of it and follows known roads and forces, and the channel."""
+    found = []
+    for trial, error in zip(problem.trials, errors, strict=True):
+        share = caused_share(error.residual, trial.values, trial.inputs)
+        worst = int(np.argmax(share))
+        found.append((float(np.sqrt(max(share[worst], 0.0))), trial.channels[worst]))
+    return max(found)
 
 
 def _largest_share(problem: Problem, errors: list[OutputError]) -> float:

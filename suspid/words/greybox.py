@@ -41,10 +41,20 @@ def _others(numbers: Numbers) -> str:
 
 
 def _unexplained(numbers: Numbers) -> str:
+    chi_square = f"chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in {numbers['channel']}"
+    if "caused" in numbers:
+        said = (
+            f"This car does not explain the records with any springs and dampers: a residual of "
+            f"{100 * numbers['caused']:.2g} % of the motion of {numbers['follower']} follows what moved the car, which "
+            f"noise does not ({chi_square}). The intervals do not allow for a wrong topology."
+        )
+    else:
+        said = (
+            f"The residual is not noise alone ({chi_square}): this car does not explain the records with any springs "
+            f"and dampers, or the noise is coloured. The intervals allow for its colour, not for a wrong topology."
+        )
     return (
-        f"The residual is not noise alone (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in "
-        f"{numbers['channel']}): this car does not explain the records with any springs and dampers, or the noise is "
-        f"coloured. The intervals allow for its colour, not for a wrong topology. Estimate what may be missing as "
+        f"{said} Estimate what may be missing as "
         f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
         f"{Argument('delays', '…')}); or describe another mass."
     )
