@@ -160,6 +160,24 @@ class TestRows:
         with pytest.raises(RecordError, match="time stamps repeat the one before|irregular"):
             read_clock(np.repeat(np.cumsum(np.random.default_rng(1).exponential(size=500)), 2), wave(stamps)[None])
 
+    @pytest.mark.parametrize("rate", [None, 500.0])
+    def test_a_mass_at_rest_repeats_samples_under_coarse_stamps(self, rate: float | None) -> None:
+        # A spreadsheet shows whole seconds: it rounds half to even.
+        times = np.arange(5754) / 500
+        values = np.round(wave(times), 5)
+        stamps = np.round(times)
+        assert 0 < np.sum((np.diff(values) == 0) & (np.diff(stamps) == 0)) < 0.01 * times.size
+        clock = read_clock(stamps, values[None], rate=rate, override=rate is not None)
+        assert clock.rows.tolist() == list(range(5754))
+        assert kinds(clock) == ["rounded stamps"]
+        assert 1 / clock.step == pytest.approx(500, abs=0.1 if rate is None else 1e-9)  # a row in the record
+
+    @pytest.mark.parametrize("seconds", [4.6, 11.2])
+    def test_a_few_whole_seconds_with_hundreds_of_rows_each_show_the_rate(self, seconds: float) -> None:
+        times = np.arange(int(500 * seconds)) / 500
+        clock = read_clock(np.round(times), wave(times)[None])
+        assert 1 / clock.step == pytest.approx(500, rel=2e-3 / seconds)  # a row in the record
+
 
 SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 10))]
 

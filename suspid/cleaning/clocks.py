@@ -63,34 +63,54 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     if rate is not None and override:
         # Stamps that agree with the rate still tell which rows are missing; only others are replaced.
         try:
-            return _read(stamps, values, rate)
+            return _read(stamps, values, rate, distinct=True)
         except RecordError:
             return _overridden(stamps, rate)
     return _read(stamps, values, rate)
 
 
-def _read(stamps: RealArray, values: RealArray, rate: Hertz | None) -> Clock:
+def _read(stamps: RealArray, values: RealArray, rate: Hertz | None, *, distinct: bool = False) -> Clock:
+    """Return the clock; with ``distinct``, rows count as doubled only where the other stamps differ."""
     rows, findings = stamped(stamps)
     lost = np.setdiff1d(np.arange(stamps.size), rows)
-    rows, repeated = unrepeated(stamps, values, rows, most=FEW)
-    findings += repeated
-    times = stamps[rows]
-    clock = _regular_clock(times, values, rows, numbered(rows, lost), rate)
-    if clock is None:
-        try:
-            times, rows, further = ordered(stamps, values, rows, lost)
-        except RecordError:
-            index = numbered(rows, lost)
-            clock = dispersed(times, values[:, rows], rows, index) or packed(times, values[:, rows], rows, index)
-            clock = clock if rate is None else None
-            if clock is None:
-                raise
-            return replace(clock, findings=(*findings, *clock.findings))
-        findings += further
-        clock = _regular_clock(times, values, rows, numbered(rows, lost), rate) if further else None
+    clock, repeated = _as_they_are(stamps, values, rows, lost, rate, distinct=distinct)
+    if clock is not None:
+        return replace(clock, findings=(*findings, *repeated, *clock.findings))
+    try:
+        times, rows, further = ordered(stamps, values, rows, lost)
+    except RecordError:
+        rows, repeated = unrepeated(stamps, values, rows, most=FEW, distinct=True)
+        times, index = stamps[rows], numbered(rows, lost)
+        clock = dispersed(times, values[:, rows], rows, index) or packed(times, values[:, rows], rows, index)
+        if clock is None or rate is not None:
+            raise
+        return replace(clock, findings=(*findings, *repeated, *clock.findings))
+    clock = _regular_clock(times, values, rows, numbered(rows, lost), rate) if further else None
     if clock is None:
         clock = nearest_clock(times, values[:, rows], rows, rate)
-    return replace(clock, findings=(*findings, *clock.findings))
+    return replace(clock, findings=(*findings, *further, *clock.findings))
+
+
+def _as_they_are(
+    stamps: RealArray, values: RealArray, rows: Indices, lost: Indices, rate: Hertz | None, *, distinct: bool
+) -> tuple[Clock | None, tuple[Finding, ...]]:
+    """Return the regular clock of rows in the order of the file, without doubled ones where it needs that, or None.
+
+    Where all rows are those of one rounded clock, samples that repeat within a stamp are samples.
+    """
+    index = numbered(rows, lost)
+    single, repeated = unrepeated(stamps, values, rows, most=FEW, distinct=distinct)
+    if repeated and (is_uniform(stamps[single]) or not _are_rounded(stamps[rows], index)):
+        clock = _regular_clock(stamps[single], values, single, numbered(single, lost), rate)
+        if clock is not None:
+            return clock, repeated
+    return _regular_clock(stamps[rows], values, rows, index, rate), ()
+
+
+def _are_rounded(times: RealArray, index: Indices) -> bool:
+    """Whether all rows are those of one clock, none missing, whose stamps are rounded and do not stray."""
+    grid = grid_of(times, index)
+    return grid is not None and grid.jitter == 0 and np.array_equal(grid.places, index)
 
 
 def _overridden(stamps: RealArray, rate: Hertz) -> Clock:

@@ -62,17 +62,19 @@ def numbered(rows: Indices, lost: Indices) -> Indices:
 
 
 def unrepeated(
-    stamps: RealArray, values: RealArray, rows: Indices, *, most: Ratio = 1.0
+    stamps: RealArray, values: RealArray, rows: Indices, *, most: Ratio = 1.0, distinct: bool = False
 ) -> tuple[Indices, tuple[Finding, ...]]:
     """Return the rows without those that repeat stamp and samples of the one before, if these are few.
 
-    More than the share ``most`` is left: in coarse stamps, a mass at rest repeats both.
+    More than the share ``most`` is left, and with ``distinct`` all of them where as many stamps repeat with other
+    samples: in coarse stamps, a mass at rest repeats both.
     """
     times = stamps[rows]
-    same = np.flatnonzero(np.diff(times) == 0) + 1
-    now, before = values[:, rows[same]], values[:, rows[same - 1]]
-    same = same[np.all((now == before) | (np.isnan(now) & np.isnan(before)), axis=0)]
-    if not same.size or same.size > max(2, most * rows.size):
+    shared = np.flatnonzero(np.diff(times) == 0) + 1
+    now, before = values[:, rows[shared]], values[:, rows[shared - 1]]
+    same = shared[np.all((now == before) | (np.isnan(now) & np.isnan(before)), axis=0)]
+    coarse = distinct and 2 * same.size <= shared.size
+    if not same.size or same.size > max(2, most * rows.size) or coarse:
         return rows, ()
     return np.delete(rows, same), (found(Defect.REPEATED_ROWS, times[same], same.size),)
 
@@ -81,7 +83,7 @@ def ordered(
     stamps: RealArray, values: RealArray, rows: Indices, lost: Indices
 ) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
     """Return increasing stamps, and their rows; the lost rows have no stamp."""
-    rows, repeated = unrepeated(stamps, values, rows)
+    rows, repeated = unrepeated(stamps, values, rows, distinct=True)
     findings = list(repeated)
     times = stamps[rows]
     if times.size < 3:

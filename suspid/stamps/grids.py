@@ -103,7 +103,7 @@ def _evenly_rounded(stamps: RealArray, index: Indices | None) -> Grid | None:
     changed = np.flatnonzero(steps > 0) + 1
     quantum = _quantum(stamps, steps[changed - 1])
     points = np.arange(stamps.size) if changed.size == steps.size else changed
-    if points.size < FEWEST_POINTS or quantum <= JITTER * float(np.median(steps[changed - 1])):
+    if points.size < _fewest(stamps.size / points.size) or quantum <= JITTER * float(np.median(steps[changed - 1])):
         return None
     if index is None:
         index = np.arange(stamps.size)
@@ -124,6 +124,11 @@ def _evenly_rounded(stamps: RealArray, index: Indices | None) -> Grid | None:
             if grid is not None:
                 return grid
     return None
+
+
+def _fewest(shared: float) -> int:
+    """Return how many points a line must fit where ``shared`` rows have one stamp; each point is exact to a row."""
+    return FEWEST_POINTS if shared < 2 else max(5, 2 + int(np.ceil((FEWEST_POINTS - 2) / np.log2(shared))))
 
 
 def _gaps(missing: RealArray) -> int:
