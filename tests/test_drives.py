@@ -160,6 +160,36 @@ class TestSpeed:
         assert DriveRemark.NO_SPEED in {note.code for note in found.verdict.notes}
 
 
+class TestUnitsInNames:
+    @pytest.mark.parametrize("name", ["Lateral Gs", "Lateral G's", "Lateral (Gs)", "LatAcc_g", "lateral [G's]"])
+    def test_accelerations_in_g(self, name: str) -> None:
+        across = channel(name, np.where((TIME > 50) & (TIME < 60), 0.3, 0.0), "")
+        found = find_drives(ride(channel("az", body()), across), channels=["az"])
+        assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
+
+    @pytest.mark.parametrize(("name", "factor"), [("AccelZ_g", 9.80665), ("accel_z_ms2", 1.0), ("Accel Z m/s2", 1.0)])
+    def test_a_suffix_tells_what_is_measured(self, name: str, factor: float) -> None:
+        """From the least vibration of a car that moves on."""
+        level = DriveLimits().least_vibration / np.sqrt(14 / (RATE / 2))
+        for by, moves in ((0.5, False), (2.0, True)):
+            found = find_drives(ride(channel(name, body(1, by * level / factor), "")))
+            assert bool(found.taken) is moves
+            assert DriveRemark.NO_UNIT not in {note.code for note in found.verdict.notes}
+
+    @pytest.mark.parametrize("name", ["MagZ_Gs", "load_g", "x_m"])
+    def test_a_suffix_that_may_mean_something_else_is_no_unit(self, name: str) -> None:
+        found = find_drives(ride(channel(name, body(), "")))
+        assert DriveRemark.NO_UNIT in {note.code for note in found.verdict.notes}
+
+    def test_rates_and_axes_behind_which_units_stand(self) -> None:
+        turning = np.degrees(np.where((TIME > 50) & (TIME < 60), 15.0 / 100.0, 0.0))
+        along = [channel(f"Acc{a}_g", (body(i) + 9.7 * (a == "Z")) / 9.80665, "") for i, a in enumerate("XYZ")]
+        about = [channel(f"Gyro{a}_degps", turning * (a == "Z") + body(i, 0.1), "") for i, a in enumerate("XYZ")]
+        found = find_drives(ride(*along, *about, channel("speed", constant(15.0), "m/s")))
+        assert DriveReason.CORNERING in why(found, 55.0)
+        assert DriveRemark.YAW_BY_GRAVITY in {check.remark.code for check in found.remarks}
+
+
 class TestBraking:
     @pytest.mark.parametrize(("rate", "usable"), [(1.2, True), (2.0, False)])
     def test_by_the_speed(self, rate: float, usable: bool) -> None:

@@ -12,6 +12,7 @@ from suspid.analysis.reading import channel_named
 from suspid.analysis.settings import Settings
 from suspid.cleaning import to_si, unmarked
 from suspid.errors import InputError, RecordError
+from suspid.greybox import own_unit
 from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
 from suspid.units import ROAD_SPEEDS
@@ -67,7 +68,7 @@ def _made(channel: RawChannel, called: Mapping[str, str], scale: Mapping[str, fl
     if channel.unit.strip().lower() in ROAD_SPEEDS and channel.name not in scale:
         return replace(channel, name=called[channel.name])
     try:
-        factor, unit = to_si(1.0, channel.unit)
+        factor, unit = to_si(1.0, own_unit(channel))
     except InputError:
         factor, unit = np.asarray(1.0), channel.unit
     by = float(factor) * scale.get(channel.name, 1.0)

@@ -7,7 +7,7 @@ gains, delays), `search` and `time_domain`; in the frequency domain `spectra`, `
 `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects`, `frequency_domain`
 and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far
 the result can be trusted, `estimates` holds it; `causes` says what may have moved the car, and `by_cause` tries it in
-turn. `find_drives`: `drive_limits`, `speeds`, `blocks`, `stretches`, `drives`, usable stretches of recordings.
+turn. `find_drives`: `drive_limits`, `channel_words`, `stated_units`, `speeds`, `blocks`, `stretches`, `drives`, usable stretches of recordings.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
@@ -29,6 +29,7 @@ from suspid.greybox.find_drives import find_drives
 from suspid.greybox.line_test import LineTest
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.roads import RoadEstimate
+from suspid.greybox.stated_units import own_unit
 from suspid.greybox.wheels import body_channels, wheels_missing, wheels_of
 
 __all__ = [
@@ -52,6 +53,7 @@ __all__ = [
     "nameless_forces",
     "nominal_value",
     "nothing_usable",
+    "own_unit",
     "parameter_table",
     "parameter_unit",
     "quantities_in",

@@ -10,7 +10,7 @@ from suspid.units import RealArray
 
 # Windows, at least, that a record is divided into, and for each cause: lines of twelve windows that half overlap and
 # are tapered are known well enough to tell chance from a tenth of the motion.
-PIECES, FOR_EACH_CAUSE = 12, 4
+FEWEST_WINDOWS, FOR_EACH_CAUSE = 12, 4
 
 
 def caused_share(residual: RealArray, values: RealArray, causes: RealArray) -> RealArray:
@@ -31,7 +31,7 @@ def caused_share(residual: RealArray, values: RealArray, causes: RealArray) -> R
     """
     if not len(causes):
         return np.zeros(len(residual))
-    size = residual.shape[1] // max(PIECES, FOR_EACH_CAUSE * len(causes))
+    size = residual.shape[1] // max(FEWEST_WINDOWS, FOR_EACH_CAUSE * len(causes))
     if size < 2:
         return np.zeros(len(residual))
     left, moved, known = (_windows(rows, size) for rows in (residual, values, causes))

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from suspid.cleaning import to_si
-from suspid.greybox.stated_units import in_si, stated_unit
+from suspid.greybox.stated_units import in_si, stated_unit, suffixed
 from suspid.recordings import RawChannel
 from suspid.units import STANDARD_GRAVITY
 
@@ -31,8 +31,19 @@ def about_vertical(channels: Sequence[RawChannel]) -> RawChannel | None:
 
 def _with_axis(channels: Sequence[RawChannel], si: str) -> list[tuple[RawChannel, str]]:
     """Return the channels of a quantity whose names end in an axis, with the axis."""
-    ends = [(c, re.sub(r"[\s_]*[\[(].*", "", c.name)[-1:].lower()) for c in channels]
+    ends = [(c, stem_of(c.name)[-1:].lower()) for c in channels]
     return [(c, axis) for c, axis in ends if axis in AXES and stated_unit(c, None, si) is not None]
+
+
+def stem_of(name: str) -> str:
+    """Return a name without the unit in brackets or the suffix of a unit behind it.
+
+    Examples
+    --------
+    >>> stem_of("Box x [g]"), stem_of("AccelZ_g"), stem_of("x_m")
+    ('Box x', 'AccelZ', 'x_m')
+    """
+    return re.sub(r"[\s_]*[\[(].*", "", suffixed(name)[0])
 
 
 def _usual(channel: RawChannel) -> float:
@@ -49,7 +60,7 @@ def horizontal(channels: Sequence[RawChannel], without: Iterable[str]) -> tuple[
     """
     sensors: dict[str, dict[str, RawChannel]] = {}
     for channel, axis in _with_axis(channels, "m/s2"):
-        stem = re.sub(r"[\s_]*[\[(].*", "", channel.name)[:-1].lower().strip(" _-.")
+        stem = stem_of(channel.name)[:-1].lower().strip(" _-.")
         sensors.setdefault(stem, {})[axis] = channel
     sure: list[dict[str, RawChannel]] = []
     for stem, axes in sensors.items():

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from suspid.cleaning import derivative_order, si_unit, to_si
 from suspid.errors import InputError
+from suspid.greybox.stated_units import own_unit
 from suspid.greybox.wheels import body_channels
-from suspid.io import bracketed_unit
 from suspid.model import Suspension, output_weights
 from suspid.recordings import Recording
 from suspid.words import Check, Level, Remark
@@ -36,10 +36,10 @@ def shaken_of(recording: Recording, names: Sequence[str], car: Suspension | None
     """
     straight, turning, others = dict[str, tuple[int, float]](), dict[str, tuple[int, float]](), list[str]()
     for name in names:
-        unit = recording[name].unit or bracketed_unit(name)
+        unit = own_unit(recording[name])
         order = order_in(car, name)
         if order is None:
-            order = derivative_order(name, recording[name].unit)
+            order = derivative_order(name, unit)
         if order is None:
             others.append(name)
             continue

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.greybox.channel_words import (
+    LATERAL_WORDS,
+    LONGITUDINAL_WORDS,
+    OTHER_WORDS,
+    SPEED_WORDS,
+    WITHIN_WORDS,
+    YAW_WORDS,
+    words_of,
+)
 from suspid.greybox.level_axes import about_vertical, horizontal
 from suspid.greybox.stated_units import in_si, spelled, stated_unit
 from suspid.recordings import RawChannel, Recording
@@ -16,23 +24,6 @@ from suspid.units import ROAD_SPEEDS, MetrePerSecond, MetrePerSecond2, RealArray
 from suspid.values import listed
 from suspid.wording import Argument, Wording
 
-# Words in the name of a channel that say what it holds, and those that say that it is something else.
-SPEED_WORDS = frozenset(
-    {"speed", "spd", "vehspd", "vehspeed", "vehiclespeed", "velocity", "geschwindigkeit", "vitesse"}
-)
-LATERAL_WORDS = frozenset({"lateral", "latacc", "lat"})
-LONGITUDINAL_WORDS = frozenset({"longitudinal", "longacc", "lon", "long"})
-YAW_WORDS = frozenset({"yaw", "yawrate", "gierrate"})
-OTHER_WORDS = frozenset(
-    {
-        *("accuracy", "valid", "limit", "error", "std", "engine", "motor", "fan", "shaft", "wind", "air", "airflow"),
-        *("target", "set", "setpoint", "setting", "cruise", "max", "min", "mean", "average"),
-    }
-)
-# Words of a velocity within the car.
-WITHIN_WORDS = OTHER_WORDS | {
-    *("damper", "shock", "spring", "suspension", "travel", "vertical", "heave", "body", "chassis", "seat", "tire"),
-}
 # No road car is faster; larger values are what buses send for a speed that is not known.
 FASTEST_CAR: MetrePerSecond = 120.0
 # No road car brakes or pulls away harder: what falls faster to a value below zero is what a bus sends instead of a
@@ -102,9 +93,9 @@ def way_of(
         if name is not None:
             return in_si(recording[name], si, unit)
         others = WITHIN_WORDS if si == "m/s" else OTHER_WORDS
-        named = [c for c in free if _words(c.name) & words and not _words(c.name) & others]
+        named = [c for c in free if words_of(c.name) & words and not words_of(c.name) & others]
         fit = [c for c in named if stated_unit(c, unit if si == "m/s" else None, si) is not None]
-        best = min(fit, key=lambda c: len(_words(c.name)), default=None)
+        best = min(fit, key=lambda c: len(words_of(c.name)), default=None)
         return None if best is None else in_si(best, si, unit if si == "m/s" else None)
 
     moving = chosen(speed, SPEED_WORDS, "m/s", speed_unit)
@@ -142,7 +133,7 @@ def _by_unit(channels: Iterable[RawChannel]) -> tuple[RawChannel | None, tuple[s
 
     A speed that never changes is a setting.
     """
-    stated = [c for c in channels if not _words(c.name) & WITHIN_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
+    stated = [c for c in channels if not words_of(c.name) & WITHIN_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
     changing = [c for c in stated if np.nanmin(c.values, initial=np.inf) < np.nanmax(c.values, initial=-np.inf)]
     if len(changing) > 1:
         first, *others = [c.name for c in changing]
@@ -155,7 +146,7 @@ def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | 
     """Return a channel that may be meant as the speed and cannot be used, and why; refuse one that was asked for."""
     if moving is None:
         words = SPEED_WORDS - {"velocity"}  # a velocity without a unit may be that of the body
-        alike = [c.name for c in free if _words(c.name) & words and not _words(c.name) & WITHIN_WORDS]
+        alike = [c.name for c in free if words_of(c.name) & words and not words_of(c.name) & WITHIN_WORDS]
         if not alike or asked is not None:
             return None
         unit = Argument("speed_unit", repr("km/h"))
@@ -248,9 +239,3 @@ def by_block(channel: RawChannel, edges: RealArray, *, low: float = -np.inf, hig
 def _about_usual(values: RealArray) -> RealArray:
     """Return values less their median: a tilted sensor shows a part of gravity, and a drive is straight on average."""
     return np.asarray(values - np.nanmedian(values)) if np.any(np.isfinite(values)) else values
-
-
-def _words(name: str) -> frozenset[str]:
-    """Return the words of a name, of which capitals may begin one."""
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", re.sub(r"[\[(].*", "", name))
-    return frozenset(word for word in re.split(r"[\W\d_]+", apart.lower()) if word)
