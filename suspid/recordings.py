@@ -215,7 +215,8 @@ class Recording:
         raise RecordError(f"there is no channel {name!r}.{nearest_names(name, self.names)}")
 
     def __str__(self) -> str:
-        clocks = {id(channel.timepts): rate_and_gaps(channel.timepts) for channel in self.channels}
+        times = {id(channel.timepts): channel.timepts for channel in self.channels}
+        clocks = {key: rate_and_gaps(stamps) for key, stamps in times.items()}
         read = [clocks[id(channel.timepts)] for channel in self.channels]
         rates = [channel.rate or rate for channel, (rate, _) in zip(self.channels, read, strict=True)]
         table = text_table(

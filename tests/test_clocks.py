@@ -14,6 +14,8 @@ from suspid.cleaning.following import share_followed
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.stamps import grid_of, resolution
+from suspid.stamps.digits import least_excess, line_within
+from suspid.stamps.lines import _longest
 from suspid.units import RealArray
 from suspid.words import Defect
 
@@ -477,6 +479,33 @@ class TestAnyStamps:
                 assert np.all(np.diff(clock.timepts) > 0)
 
 
+class TestLines:
+    """The stretch that one line explains is the longest that a linear program finds feasible."""
+
+    @pytest.mark.parametrize(("quantum", "jitter"), [(1e-3, 0.0), (1e-3, 0.2), (5e-3, 0.0)])
+    def test_a_stretch_ends_where_no_band_holds_one_more_point(self, quantum: float, jitter: float) -> None:
+        from scipy.optimize import linprog
+
+        def feasible(rows: RealArray, times: RealArray, slack: float) -> bool:
+            """Whether a line of step s passes all points within a band of 1.01 quanta and jitter s."""
+            one, x = np.ones(rows.size), rows - rows[0]
+            above = np.column_stack([one, x - 0.5 * jitter])
+            below = np.column_stack([-one, -x - 0.5 * jitter])
+            half = 0.505 * slack * quantum
+            limits = np.concatenate([times - times[0] + half, times[0] - times + half])
+            return bool(linprog([0, 0], A_ub=np.vstack([above, below]), b_ub=limits, bounds=[(None, None)] * 2).success)
+
+        rng = np.random.default_rng(0)
+        times = np.sort(np.round((np.arange(900) + 0.05 * rng.standard_normal(900)) / 97.3 / quantum) * quantum)
+        rows = np.arange(900.0)
+        first, after = _longest(rows, times, quantum, jitter)
+        assert after - first >= 12
+        # The steps that are tried stand a few thousandths of the width apart.
+        assert feasible(rows[first:after], times[first:after], 1.001)
+        if after < rows.size:
+            assert not feasible(rows[first : after + 1], times[first : after + 1], 0.995)
+
+
 class TestSignificantDigits:
     """Stamps as ``%.3g`` writes them are rounded ten times as much from each power of ten on."""
 
@@ -490,3 +519,11 @@ class TestSignificantDigits:
         assert np.array_equal(grid.places, rows)
         # Rounded to w over n rows: no step is further from the truth than w / n.
         assert 1 / grid.step == pytest.approx(rate, abs=rate**2 * 10.0 ** (2 - digits) / 900)
+
+    def test_the_bound_of_the_excess_is_below_that_of_the_nearest_line(self) -> None:
+        rng = np.random.default_rng(2)
+        for size in (0.0, 0.3, 3.0):
+            stamps = np.array([float(f"{x:.3g}") for x in np.arange(900) / 30 + size * rng.standard_normal(900)])
+            wide = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(stamps), 1e-9))) - 2)
+            assert least_excess(stamps, wide) <= line_within(stamps, wide)[3] + 1e-9
+        assert least_excess(stamps, wide) > 1.0

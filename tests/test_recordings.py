@@ -188,6 +188,14 @@ class TestWhatAChannelSaysOfItself:
         assert np.isnan(raw.mean_rate)
         assert raw.gaps == 0
 
+    def test_the_table_reads_a_clock_that_all_share_once(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        seen: list[RealArray] = []
+        monkeypatch.setattr("suspid.recordings.rate_and_gaps", lambda stamps: seen.append(stamps) or (4.0, 0))
+        one, values = np.arange(9) / 4, np.zeros(9)
+        raw = [RawChannel(name=name, unit="", timepts=one, values=values, rate=None) for name in "abc"]
+        str(Recording(title="", channels=(*raw, dataclasses.replace(raw[0], name="d", timepts=one + 1))))
+        assert len(seen) == 2
+
     def test_an_unknown_name_gets_the_nearest(self) -> None:
         with pytest.raises(RecordError, match="no channel 'seet'. Did you mean 'seat'"):
             as_recording(table())["seet"]

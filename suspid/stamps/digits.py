@@ -27,6 +27,23 @@ def resolutions(stamps: RealArray) -> RealArray | None:
     return None
 
 
+def least_excess(stamps: RealArray, wide: RealArray) -> Second:
+    """Return a lower bound of the excess of any line, by how far stamps lie off the chords of others.
+
+    Where no stamp lies further from a line than half of its resolution and the excess, none lies further from a chord
+    than two halves and twice the excess.
+    """
+    least = 0.0
+    for apart in (stamps.size // 3 >> k for k in range(5)):
+        if apart < 1:
+            break
+        left, middle, right = (slice(k * apart, stamps.size - (2 - k) * apart) for k in range(3))
+        off = np.abs(stamps[middle] - 0.5 * (stamps[left] + stamps[right]))
+        allowed = 0.5 * (wide[middle] + np.maximum(wide[left], wide[right]))
+        least = max(least, 0.5 * float(np.max(off - allowed)))
+    return least
+
+
 def line_within(stamps: RealArray, wide: RealArray) -> tuple[Second, Second, Second, Second]:
     """Return start, step, its standard deviation and the excess of the clock that is nearest to the stamps.
 

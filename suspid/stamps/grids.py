@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.signals import JITTER
-from suspid.stamps.digits import line_within, resolutions
+from suspid.stamps.digits import least_excess, line_within, resolutions
 from suspid.stamps.lines import FEWEST_POINTS, band, missing_rows, narrowest_line
 from suspid.stamps.rounding import Indices, resolution
 from suspid.units import RealArray, Second
@@ -82,6 +82,9 @@ def _of_digits(stamps: RealArray, steps: RealArray, index: Indices | None) -> Gr
     in_a_row = index is None or int(index[-1] - index[0]) == stamps.size - 1
     wide = resolutions(stamps) if in_a_row else None
     if wide is None or np.max(wide) <= JITTER * float(np.mean(steps)) or np.max(wide) < 5 * np.median(wide[1:3]):
+        return None
+    # The bound is found in no time: the step is near the mean of the steps.
+    if 2 * least_excess(stamps, wide) > 2 * JITTERS[0][1] * float(np.mean(steps)):
         return None
     start, step, std, excess = line_within(stamps, wide)
     jitter = 2 * excess / step

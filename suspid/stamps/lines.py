@@ -52,9 +52,40 @@ def _narrowest(rows: RealArray, times: RealArray, step: RealArray, reach: RealAr
     # Golden sections to a thousandth of the interval.
     for _ in range(16):
         left, right = low + 0.382 * (high - low), low + 0.618 * (high - low)
-        lower = np.ptp(times - left * rows, axis=0) < np.ptp(times - right * rows, axis=0)
+        lower = _width(times - left * rows) < _width(times - right * rows)
         low, high = np.where(lower, low, left), np.where(lower, right, high)
     return np.asarray((low + high) / 2)
+
+
+def _width(off: RealArray) -> RealArray:
+    """Return the range of residuals (point, …); np.ptp takes twice the time for a few points."""
+    return np.asarray(off.max(axis=0) - off.min(axis=0))
+
+
+def _is_bent(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> NDArray[np.bool_]:
+    """Return whether some points lie further off the chord of two others than any line allows: (point, …).
+
+    A band of vertical width w holds no point further than w from a chord of two points that it holds.
+    """
+    size = rows.shape[0]
+    x, y = rows - rows[:1], times - times[:1]
+    span, width = x[-1], 1.01 * quantum + 8 * np.spacing(np.max(np.abs(times), initial=0.0))
+    # The steepest line has a step that is larger than that of the chord by two widths over the span.
+    steepest = (y[-1] + 2 * width) / np.maximum(span - 2 * jitter, 0.1 * span)
+    widest = (1 + 1e-9) * _bands(steepest, quantum, jitter, times)
+    bent = np.zeros(rows.shape[1:], bool)
+    for apart in ((size - 1) // 2, size // 4, size // 8, 1):
+        last = size - 2 * apart
+        if apart < 1 or last < 1:
+            continue
+        # A few triples of each length: all of them would cost as much as the line.
+        some = slice(0, last, max(1, apart // 2))
+        left, right = slice(some.start, last, some.step), slice(2 * apart, 2 * apart + last, some.step)
+        middle = slice(apart, apart + last, some.step)
+        slope = (y[right] - y[left]) / (x[right] - x[left])
+        off = np.abs(y[middle] - y[left] - slope * (x[middle] - x[left]))
+        bent |= off.max(axis=0) > widest
+    return bent
 
 
 def missing_rows(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> RealArray | None:
@@ -74,12 +105,16 @@ def _longest(rows: RealArray, times: RealArray, quantum: Second, jitter: float) 
     """Return the first point, and the one after the last, of the longest stretch that one line explains."""
     best, first = (0, 0), 0
     for begin in range(0, rows.size - FEWEST_POINTS + 1, LINES_AT_ONCE):
+        starts, known = np.zeros(0, np.intp), 0
         while first < begin + LINES_AT_ONCE:
             longer = max(FEWEST_POINTS, best[1] - best[0] + 1)
             # Only what may be longer than the longest is followed to its end.
             size = min(longer, LONGEST_LOOK)
-            part = slice(max(first, begin), begin + LINES_AT_ONCE + size - 1)
-            starts = np.flatnonzero(_fits_each(rows[part], times[part], size, quantum, jitter)) + part.start
+            if size != known:
+                part = slice(max(first, begin), begin + LINES_AT_ONCE + size - 1)
+                starts = np.flatnonzero(_fits_each(rows[part], times[part], size, quantum, jitter)) + part.start
+                known = size
+            starts = starts[starts >= first]
             if starts.size == 0 or rows.size - starts[0] < longer:
                 break
             first, after = int(starts[0]), _end(rows, times, int(starts[0]), size, quantum, jitter)
@@ -91,34 +126,46 @@ def _fits_each(rows: RealArray, times: RealArray, size: int, quantum: Second, ji
     """Return whether a line is narrow enough for that number of points from each on, (point,) but the last ones."""
     if rows.size < size:
         return np.zeros(0, bool)
-    x, y = (sliding_window_view(each, size) for each in (rows, times))
-    x, y = x - np.mean(x, axis=1, keepdims=True), y - np.mean(y, axis=1, keepdims=True)
-    step = np.sum(x * y, axis=1) / np.sum(x * x, axis=1)
-    reach = _reach(step, np.ptp(x, axis=1), quantum, jitter)
+    x, y = (sliding_window_view(each, size).T for each in (rows, times))
+    near = ~_is_bent(x, y, quantum, jitter)
+    if not np.any(near):
+        return near
+    x, y = x[:, near], y[:, near]
+    x, y = x - np.mean(x, axis=0), y - np.mean(y, axis=0)
+    step = np.sum(x * y, axis=0) / np.sum(x * x, axis=0)
+    reach = _reach(step, x[-1] - x[0], quantum, jitter)
+    off = y - step * x
+    fits = _width(off) <= _bands(step, quantum, jitter, times)
     # All points lie within half of the width from the centre of a band: the line of least squares is no further off.
-    near = 4 * np.mean((y - step[:, None] * x) ** 2, axis=1) <= _bands(step + reach, quantum, jitter, times) ** 2
-    step = _narrowest(x[near].T, y[near].T, step[near], reach[near])
-    near[near] = np.ptp(y[near].T - step * x[near].T, axis=0) <= _bands(step, quantum, jitter, times)
+    open_ = ~fits & (4 * np.mean(off**2, axis=0) <= _bands(step + reach, quantum, jitter, times) ** 2)
+    x, y = x[:, open_], y[:, open_]
+    step = _narrowest(x, y, step[open_], reach[open_])
+    fits[open_] = _width(y - step * x) <= _bands(step, quantum, jitter, times)
+    near[near] = fits
     return np.asarray(near)
 
 
 def _end(rows: RealArray, times: RealArray, first: int, fits: int, quantum: Second, jitter: float) -> int:
-    """Return the point after the last one of a stretch that one line explains, of whose points the first ones fit."""
-    while first + 2 * fits < rows.size and _fits(rows, times, first, first + 2 * fits, quantum, jitter):
-        fits *= 2
-    fails = min(2 * fits, rows.size - first + 1)
-    while fails - fits > 1:
-        middle = (fits + fails) // 2
-        if _fits(rows, times, first, first + middle, quantum, jitter):
-            fits = middle
-        else:
-            fails = middle
+    """Return the point after the last one of a stretch that one line explains, of whose points the first ones fit.
+
+    The steps whose bands hold the points up to one are an interval within that of the point before: the steps that
+    reach furthest are looked for between fewer and fewer others.
+    """
+    x, y = rows[first:] - rows[first], times[first:] - times[first]
+    step = float(np.polynomial.polynomial.polyfit(x[:fits], y[:fits], 1)[1])
+    reach = float(_reach(np.asarray(step), x[fits - 1], quantum, jitter))
+    low, high, ahead = step - reach, step + reach, fits
+    while fits == ahead < x.size:
+        ahead = min(2 * ahead, x.size)
+        for _ in range(4):
+            steps = np.linspace(low, high, 17)[:, None]
+            off = y[:ahead] - steps * x[:ahead]
+            width = np.maximum.accumulate(off, axis=1) - np.minimum.accumulate(off, axis=1)
+            reached = np.sum(width <= _bands(steps, quantum, jitter, times[first : first + ahead]), axis=1)
+            furthest = np.flatnonzero(reached == np.max(reached))
+            low, high = float(steps[max(furthest[0] - 1, 0), 0]), float(steps[min(furthest[-1] + 1, 16), 0])
+            fits = max(fits, int(np.max(reached)))
     return first + fits
-
-
-def _fits(rows: RealArray, times: RealArray, first: int, after: int, quantum: Second, jitter: float) -> bool:
-    part = slice(first, after)
-    return narrowest_line(rows[part], times[part], quantum, jitter) is not None
 
 
 def _follow(rows: RealArray, times: RealArray, known: int, quantum: Second, jitter: float) -> RealArray | None:
