@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from suspid import RecordError, Settings, analyse, as_record, read_record, read_recording
+from suspid import RecordError, Settings, analyse, as_record, clean, read_record, read_recording
+from suspid.io.epochs import counted_from_first
+from suspid.recordings import RawChannel
 from suspid.signals import as_signal
 from suspid.words import LeftOut
 
@@ -115,6 +117,42 @@ def test_a_unit_in_a_name_is_that_of_the_samples(tmp_path: Path) -> None:
     path.write_text("\n".join(["time [s],seat [mm],tire (g)", *rows]))
     found = analyse(path, settings=Settings(si=True, rename={"tire (g)": "wheel (g)"}))
     assert as_signal(found.record).channels == ("seat [m]", "wheel (m/s2)")
+
+
+class TestSinceADate:
+    """Stamps since 1970 or another date are counted from the first one: messages and options can name them."""
+
+    @pytest.mark.parametrize(
+        ("name", "per_second", "start"),
+        [("time", 1.0, 1.7e9), ("time", 1e3, 1.7e12), ("time", 1e6, 1.7e15), ("t [s]", 1.0, 3.8e9)],
+    )
+    def test_the_first_stamp_is_zero_and_is_named(
+        self, tmp_path: Path, name: str, per_second: float, start: float
+    ) -> None:
+        stamps = [f"{start + per_second * (0.25 + t):.3f}" for t in TIMES]
+        recording = read_recording(write(tmp_path / "a.csv", name, stamps))
+        # Of 3.8e9 s, doubles hold 5e-7 s.
+        assert recording["seat"].timepts == pytest.approx(TIMES, abs=1e-9)
+        said = {f"{part} {why}" for part, why in recording.left_out}
+        assert f"start of {name!r} is {start / per_second + 0.25:.6f} s; times are counted from there" in said
+
+    def test_stretches_are_chosen_and_named_in_it(self, tmp_path: Path) -> None:
+        path = write(tmp_path / "a.csv", "time", [f"{1.7e9 + t:.3f}" for t in TIMES])
+        assert clean(read_recording(path), start=0.5, stop=1.0).record.time[[0, -1]].tolist() == [0.5, 1.0]
+
+    def test_clocks_keep_their_distance(self) -> None:
+        raw = [
+            RawChannel(name=name, unit="", timepts=np.asarray(1.7e9 + late + TIMES), values=SEAT, rate=None)
+            for name, late in (("a", 0.125), ("b", 0.0))
+        ]
+        (first, second), _ = counted_from_first(raw, None)
+        assert [first.timepts[0], second.timepts[0]] == [0.125, 0.0]
+
+    @pytest.mark.parametrize("start", [0.0, 604_000.0])
+    def test_others_stay(self, tmp_path: Path, start: float) -> None:
+        recording = read_recording(write(tmp_path / "a.csv", "time", [f"{start + t:.3f}" for t in TIMES]))
+        assert recording["seat"].timepts.tolist() == [float(f"{start + t:.3f}") for t in TIMES]
+        assert not recording.left_out
 
 
 class TestTables:

@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.io.column_plan import ColumnPlan, plan_of
+from suspid.io.epochs import counted_from_first
 from suspid.io.limits import metered
 from suspid.io.names import (
     PER_SECOND,
@@ -102,6 +103,8 @@ def as_recording(
         )
     raw = raw if fs is not None else with_own_rows(raw)
     kept = tuple(channel for channel in raw if channel.name not in counters and channel.name not in norms)
+    kept, counted = counted_from_first(kept, next(iter(times), None))
+    left_out |= counted
     if table.apart:
         tests = runs_of({channel.name: id(channel.timepts) for channel in kept})
         kept = tuple(replace(channel, test=tests.get(channel.name, "")) for channel in kept)
