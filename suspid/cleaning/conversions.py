@@ -48,6 +48,8 @@ FACTORS: dict[str, tuple[float, str]] = {
 
 # Units of temperature, which nothing here needs.
 OF_TEMPERATURE = {"°c", "degc", "celsius", "°f", "degf", "fahrenheit", "k", "kelvin"}
+# Newton metres, which differ from nanometres in case alone.
+TORQUES = {"Nm", "kNm", "NM"}
 # Other spellings and what replaces them, in this order.
 SPELLINGS = (
     ("²", "2"), ("⁻", "-"), ("^", ""), ("**", ""), ("µ", "u"), ("μ", "u"), ("·", ""), ("*", ""), (" ", ""),
@@ -81,6 +83,8 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     plain = unit.strip().strip("[]()").strip()
     for old, new in SPELLINGS:
         plain = plain.replace(old, new)
+    if plain in TORQUES:
+        raise InputError(f"the unit {printable(unit)!r} is one of torque, which is not converted")
     # kN and kn (knot), N and n: the only units that differ in case alone.
     key = "kn_force" if plain == "kN" else plain if plain in FACTORS else plain.lower()
     if key in OF_TEMPERATURE:
