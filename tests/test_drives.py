@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
-from suspid.cleaning import clipped_times, stuck_times
+from suspid.cleaning import clipped_times, stuck_times, to_si
 from suspid.greybox import nothing_usable, stretch_table
 from suspid.greybox.blocks import vibration
 from suspid.records import as_response
@@ -176,10 +176,16 @@ class TestUnitsInNames:
             assert bool(found.taken) is moves
             assert DriveRemark.NO_UNIT not in {note.code for note in found.verdict.notes}
 
-    @pytest.mark.parametrize("name", ["MagZ_Gs", "load_g", "x_m"])
+    @pytest.mark.parametrize("name", ["load_g", "x_m"])
     def test_a_suffix_that_may_mean_something_else_is_no_unit(self, name: str) -> None:
         found = find_drives(ride(channel(name, body(), "")))
         assert DriveRemark.NO_UNIT in {note.code for note in found.verdict.notes}
+
+    @pytest.mark.parametrize("unit", ["Nm", "N m", "N·m", "kNm"])
+    def test_a_newton_metre_is_no_nanometre(self, unit: str) -> None:
+        with pytest.raises(InputError, match="torque"):
+            to_si(1.0, unit)
+        assert to_si(1.0, "nm") == (1e-9, "m")
 
     def test_rates_and_axes_behind_which_units_stand(self) -> None:
         turning = np.degrees(np.where((TIME > 50) & (TIME < 60), 15.0 / 100.0, 0.0))
@@ -220,6 +226,12 @@ class TestBraking:
         assert ends(found) == [(0.0, 120.0)]
         (said,) = [check for check in found.remarks if check.remark.code is DriveRemark.BY_AXIS]
         assert said.remark.numbers["channels"] == ("imu_x", "imu_y")
+
+    def test_what_a_phone_computes_of_gravity_is_no_second_sensor(self) -> None:
+        hard = np.where((TIME > 50) & (TIME < 55), -3.0, 0.0)
+        box = [channel(f"Acc{a}", body(i) + 9.8 * (a == "z") + hard * (a == "x")) for i, a in enumerate("xyz")]
+        slow = [channel(f"motionGravity{a.upper()}", 9.8 * (a == "z") + body(i, 0.01)) for i, a in enumerate("xyz")]
+        assert ends(find_drives(ride(*box, *slow), channels=["Accz"])) == [(0.0, 50.0), (55.0, 120.0)]
 
     @pytest.mark.parametrize("up", ["x", "y", "z"])
     def test_by_the_axes_that_are_level(self, up: str) -> None:
@@ -413,7 +425,8 @@ class TestVibration:
         """Without units and telling names, channels are taken for accelerations, unless the speed tells all."""
         unknown = [channel("p", body(), ""), channel("q", body(2), "V")]
         speed = channel("speed", constant(15.0) + body(3, rms=0.1), "m/s")
-        assert "Nothing says what 'p', 'q' measure" in str(find_drives(ride(*unknown)))
+        assert "Nothing says what 'p', 'q' measure:" in str(find_drives(ride(*unknown)))
+        assert "Nothing says what 'p' measures: " in str(find_drives(ride(unknown[0])))
         assert DriveRemark.NO_UNIT not in {check.remark.code for check in find_drives(ride(*unknown, speed)).remarks}
 
     @pytest.mark.parametrize("speed", [4.0, 25.0])
@@ -429,6 +442,82 @@ class TestVibration:
         alone = find_drives(ride(channel("az", still), turning))
         assert why(alone, 50.0) == {DriveReason.ROLLING}
         assert find_drives(ride(channel("az", body(2, rms=0.3)), turning)).taken
+
+    @pytest.mark.parametrize("units", ["m/s2", ""])
+    def test_a_quiet_channel_does_not_make_the_car_stand(self, units: str) -> None:
+        """An axis across the car, or a rate that nothing calls one: the loudest channel tells that the car moves."""
+        quiet = [channel("p", body(2, rms=0.01), units), channel("q", body(3, rms=0.001), units)]
+        assert ends(find_drives(ride(channel("r", body(), units), *quiet))) == [(0.0, 120.0)]
+        assert why(find_drives(ride(*quiet)), 50.0) == {DriveReason.STANDING}
+
+    def test_noise_of_a_displacement_is_no_vibration_beside_an_acceleration(self) -> None:
+        """To 0.1 mm, twice differentiated, 1 m/s2 of noise; the accelerometer shows that the car stands."""
+        travel = channel("damper", body(2, rms=1e-4), "m")
+        assert find_drives(ride(travel)).taken
+        found = find_drives(ride(travel, channel("az", body(rms=0.01))))
+        assert why(found, 50.0) == {DriveReason.STANDING}
+
+    @pytest.mark.parametrize(("value", "reason"), [(40.0, DriveReason.QUIET), (5.0, DriveReason.STANDING)])
+    def test_what_may_be_a_speed_speaks_against_standing(self, value: float, reason: DriveReason) -> None:
+        """In any unit 40 is faster than 3 m/s; 5 km/h is not."""
+        found = find_drives(ride(channel("az", body(rms=0.01)), channel("speed", value + body(2, rms=0.1), "")))
+        assert why(found, 50.0) == {reason}
+        assert ("stands" in str(found)) is (reason is DriveReason.STANDING)
+
+    @pytest.mark.parametrize(("name", "judged"), [("az", True), ("Lateral Gs", False), ("Acceleration Gs", False)])
+    def test_a_roller_bench_is_told_by_vertical_motion_alone(self, name: str, judged: bool) -> None:
+        quiet = channel(name, body(2, rms=0.001), "" if "Gs" in name else "m/s2")
+        found = find_drives(ride(quiet, channel("speed", constant(15.0), "m/s")), channels=[name])
+        assert (why(found, 50.0) == {DriveReason.ROLLING}) is judged
+
+
+class TestChannelsOfALogger:
+    """Columns of satellites and of the engine beside an accelerometer, on its clock."""
+
+    HELD = np.round(np.random.default_rng(9).standard_normal(120).cumsum()[(TIME // 1).astype(int)], 1)
+
+    @pytest.mark.parametrize(
+        ("name", "unit", "values"),
+        [
+            ("locationLatitude", "WGS84", 30.0 + 1e-4 * HELD),
+            ("locationAltitude", "m", 200.0 + HELD),
+            ("locationCourse", "°", np.clip(180 + 40 * HELD, 0, 300)),
+            ("height", "m", 200.0 + HELD),
+            ("Coolant Temp", "C", np.minimum(TIME, 80.0)),
+            ("Accel Position", "%", np.clip(100 * body(4), 0, 100)),
+            ("RPM", "rpm", np.where(TIME < 60, 2000 + 100 * body(5), np.nan)),
+            ("Req Torque", "Nm", 100 * body(7)),
+            ("Engine RPM", "rad/s", 200 + 20 * body(7)),
+            ("Gear", "", np.round(3 + body(6))),
+        ],
+    )
+    def test_they_do_not_decide(self, name: str, unit: str, values: RealArray) -> None:
+        found = find_drives(ride(channel("az", body()), channel(name, values, unit)))
+        assert ends(found) == [(0.0, 120.0)]
+        assert as_signal(found.records[0]).channels == ("az",)
+        assert f"Left out, because not known to show vibration of the car: '{name}'" in str(found)
+
+    def test_a_speed_that_is_held_among_the_channels_is_the_speed(self) -> None:
+        """Satellites say it once a second; a steady one stays at its largest value for long."""
+        speed = channel("locationSpeed", np.where(TIME < 40, 1.0, np.minimum(20 + self.HELD, 21)), "m/s")
+        limits = DriveLimits(longitudinal=1e3)
+        found = find_drives(ride(channel("az", body()), speed), channels=["az", "locationSpeed"], limits=limits)
+        assert why(found, 20.0) == {DriveReason.SLOW}
+        assert found.taken[-1].stop == 120.0
+        assert found.usable > 75
+
+    def test_a_channel_that_is_stuck_is_no_slow_one(self) -> None:
+        motion = body(5)
+        motion[2000:] = motion[2000]
+        found = find_drives(ride(channel("az", motion), channel("bz", body(6))))
+        assert ends(found) == [(0.0, 20.0)]
+
+    def test_without_any_motion_it_is_refused(self) -> None:
+        with (
+            called({"channels": "--channel"}),
+            pytest.raises(InputError, match=r"known to measure motion of the car: 'oil'.* in --channel"),
+        ):
+            find_drives(ride(channel("oil", 90 + body(), "°C"), channel("speed", constant(15.0), "m/s")))
 
 
 class TestStretches:

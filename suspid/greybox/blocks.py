@@ -10,8 +10,8 @@ import numpy as np
 from suspid.cleaning import MOST_FILLED, Aligned, aligned, clipped_times, stuck_times
 from suspid.errors import RecordError
 from suspid.greybox.drive_limits import DriveLimits
-from suspid.greybox.shaken import Shaken
-from suspid.greybox.speeds import Going, Way, going
+from suspid.greybox.shaken import Shaken, usually_held
+from suspid.greybox.speeds import KMH, Going, Way, going
 from suspid.recordings import RawChannel
 from suspid.signals import PASSED
 from suspid.units import Flags, RealArray, Second
@@ -25,8 +25,9 @@ class Blocks:
     part: Aligned
     size: int  # samples of a block
     going: Going
-    level: RealArray  # (block,): vibration of the quietest channel [m/s2]
+    level: RealArray  # (block,): vibration of the loudest channel that decides [m/s2]
     loudest: RealArray  # (block,): vibration of the loudest channel on the body [m/s2]; inf where none tells
+    unread: str | None  # name of what may be the speed, in an unknown unit
     flags: Mapping[DriveReason, Flags]  # reasons against, the gravest first
     faults: Mapping[DriveReason, Mapping[str, Flags]]  # those of channels, by channel
 
@@ -52,53 +53,64 @@ def examined(part: Sequence[RawChannel], way: Way, shaken: Shaken, limits: Drive
         raise RecordError(f"{length:.3g} s are too short for a drive: it is divided into blocks of {limits.block:g} s")
     edges = together.timepts[0] + together.step * size * np.arange(count + 1)
     moves = going(way, edges)
-    clear, faults = {}, dict[DriveReason, dict[str, Flags]]()
-    for reason in (DriveReason.MISSING, DriveReason.CLIPPED, DriveReason.STUCK):
-        faults[reason] = {}
-    levels = dict[str, RealArray]()
-    for row, channel in enumerate(part):
-        values = together.values[row, : count * size].reshape(count, size)
-        filled = together.filled[row, : count * size].reshape(count, size)
-        holes = np.any(np.isnan(values), axis=1) | (np.mean(filled, axis=1) > MOST_FILLED)
-        still = _hit(stuck_times(channel, limits.stuck), edges)
-        faults[DriveReason.MISSING][channel.name] = holes
-        faults[DriveReason.CLIPPED][channel.name] = _hit(_until_recovered(clipped_times(channel), limits), edges)
-        faults[DriveReason.STUCK][channel.name] = still
-        if channel.name in shaken.orders:
-            order, factor = shaken.orders[channel.name]
-            level = factor * vibration(together.values[row, : count * size], together.step, order, size, limits)
-            levels[channel.name] = np.where(still, np.nan, level)
-    every, inf = np.array([*levels.values()]), np.inf
-    quiet = np.min(np.where(np.isnan(every), inf, every), axis=0)
-    level = np.where(np.isinf(quiet), 0.0, quiet)
+    faults, levels = _faults(part, together, shaken, limits, edges, way)
+    deciding = np.array([level for name, level in levels.items() if name in shaken.judged])
+    level = np.max(np.where(np.isnan(deciding), 0.0, deciding), axis=0, initial=0.0)
     # A channel that is stuck tells nothing of a road.
-    body = np.array([np.where(np.isnan(one), inf, one) for name, one in levels.items() if name in shaken.body])
-    loudest = np.max(body, axis=0, initial=0.0) if len(body) else np.full(count, inf)
+    body = np.array([np.where(np.isnan(one), np.inf, one) for name, one in levels.items() if name in shaken.body])
+    loudest = np.max(body, axis=0, initial=0.0) if shaken.upright else np.full(count, np.inf)
     known = np.isfinite(moves.speed)
+    slow, still = known & (moves.speed < limits.least_speed), ~known & (level < limits.least_vibration)
+    clear = {reason: np.any(list(by_channel.values()), axis=0) for reason, by_channel in faults.items()}
+    still &= ~clear[DriveReason.MISSING]
+    quiet = still & (np.nan_to_num(moves.unread) >= limits.least_speed * KMH)
     rolling = known & (moves.speed >= limits.least_speed) & (loudest < limits.least_vibration)
-    slow, standing = known & (moves.speed < limits.least_speed), ~known & (level < limits.least_vibration)
-    for reason, by_channel in faults.items():
-        clear[reason] = np.any(list(by_channel.values()), axis=0)
-    clear[DriveReason.STUCK] &= ~slow & ~standing
-    standing &= ~clear[DriveReason.MISSING]
     return Blocks(
         part=together,
         size=size,
         going=moves,
         level=level,
         loudest=loudest,
+        unread=None if way.unread is None else way.unread.name,
         faults=faults,
         flags={
             DriveReason.MISSING: clear[DriveReason.MISSING],
             DriveReason.CLIPPED: clear[DriveReason.CLIPPED],
             DriveReason.SLOW: slow,
-            DriveReason.STANDING: standing,
+            DriveReason.STANDING: still & ~quiet,
+            DriveReason.QUIET: quiet,
             DriveReason.ROLLING: rolling & ~clear[DriveReason.MISSING],
-            DriveReason.STUCK: clear[DriveReason.STUCK],
+            DriveReason.STUCK: clear[DriveReason.STUCK] & ~slow & ~still,
             DriveReason.BRAKING: moves.longitudinal > limits.longitudinal,
             DriveReason.CORNERING: moves.lateral > limits.lateral,
         },
     )
+
+
+def _faults(
+    part: Sequence[RawChannel], together: Aligned, shaken: Shaken, limits: DriveLimits, edges: RealArray, way: Way
+) -> tuple[dict[DriveReason, dict[str, Flags]], dict[str, RealArray]]:
+    """Return what is wrong with each channel, and the vibration of those that show it; NaN where it is stuck."""
+    faults: dict[DriveReason, dict[str, Flags]]
+    faults = {reason: {} for reason in (DriveReason.MISSING, DriveReason.CLIPPED, DriveReason.STUCK)}
+    levels, count = dict[str, RealArray](), len(edges) - 1
+    size = together.timepts.size // count
+    for row, channel in enumerate(part):
+        values = together.values[row, : count * size].reshape(count, size)
+        filled = together.filled[row, : count * size].reshape(count, size)
+        holes = np.any(np.isnan(values), axis=1) | (np.mean(filled, axis=1) > MOST_FILLED)
+        # Values that are held as a rule, such as those of a slow bus, and a steady speed are neither stuck nor clipped.
+        held = channel.name in way.names or usually_held(channel) >= limits.stuck
+        still = _hit(np.empty(0) if held else stuck_times(channel, limits.stuck), edges)
+        beyond = np.empty(0) if held else _until_recovered(clipped_times(channel), limits)
+        faults[DriveReason.MISSING][channel.name] = holes
+        faults[DriveReason.CLIPPED][channel.name] = _hit(beyond, edges)
+        faults[DriveReason.STUCK][channel.name] = still
+        if channel.name in shaken.orders:
+            order, factor = shaken.orders[channel.name]
+            level = factor * vibration(together.values[row, : count * size], together.step, order, size, limits)
+            levels[channel.name] = np.where(still, np.nan, level)
+    return faults, levels
 
 
 def vibration(values: RealArray, step: Second, order: int, size: int, limits: DriveLimits) -> RealArray:

@@ -24,6 +24,31 @@ WITHIN_WORDS = OTHER_WORDS | {
 # Words of an acceleration and of a rotation rate, without which a suffix such as _g is no unit.
 ACCELERATION_WORDS = LATERAL_WORDS | LONGITUDINAL_WORDS | {"a", "ax", "ay", "az", "vertical", "vert"}
 ROTATION_WORDS = YAW_WORDS | {"gyro", "gyr", "gyroscope", "rate", "pitch", "roll", "omega", "rotation"}
+# Words of what is no vibration, whatever its unit: where the car is and points, pedals, and quality of a measurement.
+ELSEWHERE_WORDS = frozenset(
+    {
+        *("accuracy", "std", "valid", "error", "target", "setpoint", "pedal", "throttle", "gravity", "steering"),
+        *("rpm", "engine", "latitude", "longitude", "altitude", "elevation", "location", "gps", "odometer", "heading"),
+        *("course", "magnetic", "mag"),
+    }
+)
+# Words of axes that are level, and of upright ones or parts of the car whose motion up and down is meant.
+LEVEL_WORDS = LATERAL_WORDS | LONGITUDINAL_WORDS | {"x", "y", "ax", "ay"}
+UPRIGHT_WORDS = frozenset(
+    {"z", "az", "vertical", "vert", "heave", "bounce", "body", "chassis", "sprung", "seat", "cab"}
+)
+
+
+def names_speed(name: str) -> bool:
+    """Return whether a name says that a channel is the speed of the car.
+
+    Examples
+    --------
+    >>> [names_speed(name) for name in ("VehicleSpeed", "locationSpeed", "damper speed", "engine speed", "az")]
+    [True, True, False, False, False]
+    """
+    words = words_of(name)
+    return bool(words & SPEED_WORDS) and not words & WITHIN_WORDS
 
 
 def words_of(name: str) -> frozenset[str]:

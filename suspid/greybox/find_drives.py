@@ -12,18 +12,19 @@ from suspid.cleaning import Finding, RecordLike, as_record, parts_of
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
 from suspid.greybox.car_records import renaming
+from suspid.greybox.channel_words import names_speed
 from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.drives import Drive, Drives
-from suspid.greybox.shaken import order_in, said_of, shaken_of
+from suspid.greybox.shaken import moving, order_in, said_of, shaken_of
 from suspid.greybox.speeds import way_of
 from suspid.greybox.stretches import judged, stretches_of
 from suspid.model import Suspension
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
 from suspid.units import RealArray
-from suspid.values import frozen_real
-from suspid.wording import AtCommandLine
-from suspid.words import Check, Defect, Level, Number, Remark
+from suspid.values import frozen_real, listed
+from suspid.wording import Argument, AtCommandLine
+from suspid.words import MOST_LISTED, Check, Defect, Level, Number, Remark
 from suspid.words.drives import DriveRemark
 
 if TYPE_CHECKING:
@@ -44,7 +45,8 @@ def find_drives(
 ) -> Drives:
     """Return the stretches of a recorded drive, and which are usable.
 
-    A stretch is usable where the car moves, does not brake or corner hard, and all channels are there and in range.
+    A stretch is usable where the car moves, does not brake or corner hard, and the channels that show its motion are
+    there and in range.
     It is decided for blocks of a second; pauses of the logger part a recording.
 
     Parameters
@@ -54,7 +56,8 @@ def find_drives(
     car : Suspension, optional
         The channels that measure it, named as its outputs or sensors, are those that must be usable.
     channels : sequence of str, optional
-        The channels that must be usable. Default: those that measure the car; without one, all on the fastest clock.
+        The channels that must be usable. Default: those that measure the car; without one, the displacements,
+        velocities, accelerations and rotation rates on the fastest clock; if nothing says what channels measure, all.
     speed : str, optional
         The channel of speed, in any unit. Default: the one named like a speed, in a unit of speed, or the only one in
         km/h, mph or knots. ``"none"``, and where there is none: the vibration shows whether the car moves.
@@ -94,13 +97,15 @@ def find_drives(
     """
     whole, limits = _opened(recording), limits or DriveLimits()
     needed = _needed(whole, car, channels)
-    way = way_of(
-        whole, speed=speed, speed_unit=speed_unit, longitudinal=longitudinal, lateral=lateral, without=needed or ()
-    )
+    # The speed is that of the car also where it is named among the channels.
+    own = [name for name in needed or () if order_in(car, name) is not None or not names_speed(name)]
+    way = way_of(whole, speed=speed, speed_unit=speed_unit, longitudinal=longitudinal, lateral=lateral, without=own)
+    free = [c for c in whole.channels if c.name not in way.names]
+    said: list[Check] = []
     if needed is None:
-        needed = _fastest([c for c in whole.channels if c.name not in way.names])
+        needed, said = _shaking(_fastest(free), limits)
     shaken = shaken_of(whole, needed, car)
-    said = said_of(shaken, by_vibration=way.speed is None)
+    said += said_of(shaken, by_vibration=way.speed is None)
     stretches: list[Drive] = []
     records: list[control.TimeResponseData] = []
     speeds: list[RealArray] = []
@@ -181,10 +186,23 @@ def _needed(recording: Recording, car: Suspension | None, channels: Sequence[str
     return known
 
 
-def _fastest(channels: Sequence[RawChannel]) -> tuple[str, ...]:
-    """Return the names of the channels on the fastest clock, and on others as fast."""
+def _shaking(channels: Sequence[RawChannel], limits: DriveLimits) -> tuple[tuple[str, ...], list[Check]]:
+    """Return the names of the channels that show motion of the car, and that others were left out."""
+    kept = tuple(channel.name for channel in moving(channels, limits.stuck))
+    others = tuple(channel.name for channel in channels if channel.name not in kept)
+    if not kept:
+        raise InputError(
+            f"no channel of the recording is known to measure motion of the car: {listed(others[:MOST_LISTED])}; name "
+            "those that do in ",
+            Argument("channels"),
+        )
+    return kept, [Check(Remark(DriveRemark.NO_MOTION, {"channels": others}), Level.NOTE)] if others else []
+
+
+def _fastest(channels: Sequence[RawChannel]) -> list[RawChannel]:
+    """Return the channels on the fastest clock, and on others as fast."""
     if not channels:
         raise InputError("the recording has no channel beside those of the motion along the way")
     rates = [channel.mean_rate for channel in channels]
     best = np.nanmax(rates) if np.any(np.isfinite(rates)) else np.nan
-    return tuple(c.name for c, rate in zip(channels, rates, strict=True) if not rate < 0.5 * best)
+    return [c for c, rate in zip(channels, rates, strict=True) if not rate < 0.5 * best]

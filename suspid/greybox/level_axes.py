@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from suspid.cleaning import to_si
+from suspid.greybox.channel_words import ELSEWHERE_WORDS, words_of
 from suspid.greybox.stated_units import in_si, stated_unit, suffixed
 from suspid.recordings import RawChannel
 from suspid.units import STANDARD_GRAVITY
@@ -23,7 +24,7 @@ WHEEL_WORDS = frozenset({"wheel", "hub", "axle", "upright", "unsprung", "tire", 
 def about_vertical(channels: Sequence[RawChannel]) -> RawChannel | None:
     """Return the rate about the axis whose acceleration shows gravity, of sensors with three axes; None if not sure."""
     rates = {axis: c for c, axis in _with_axis(channels, "rad/s")}
-    upright = [axis for c, axis in _with_axis(channels, "m/s2") if abs(abs(_usual(c)) - STANDARD_GRAVITY) < GRAVITY_OFF]
+    upright = [axis for c, axis in _with_axis(channels, "m/s2") if shows_gravity(c)]
     if len(upright) != 1 or set(rates) != set(AXES):
         return None
     return in_si(rates[upright[0]], "rad/s", None)
@@ -32,7 +33,8 @@ def about_vertical(channels: Sequence[RawChannel]) -> RawChannel | None:
 def _with_axis(channels: Sequence[RawChannel], si: str) -> list[tuple[RawChannel, str]]:
     """Return the channels of a quantity whose names end in an axis, with the axis."""
     ends = [(c, stem_of(c.name)[-1:].lower()) for c in channels]
-    return [(c, axis) for c, axis in ends if axis in AXES and stated_unit(c, None, si) is not None]
+    every = [(c, axis) for c, axis in ends if axis in AXES and not words_of(c.name) & ELSEWHERE_WORDS]
+    return [(c, axis) for c, axis in every if stated_unit(c, None, si) is not None]
 
 
 def stem_of(name: str) -> str:
@@ -46,10 +48,13 @@ def stem_of(name: str) -> str:
     return re.sub(r"[\s_]*[\[(].*", "", suffixed(name)[0])
 
 
-def _usual(channel: RawChannel) -> float:
-    """Return the median of an acceleration [m/s2]; NaN where there is none."""
+def shows_gravity(channel: RawChannel) -> bool:
+    """Return whether the median of an acceleration is that of gravity, up or down."""
+    unit = stated_unit(channel, None, "m/s2")
     values = channel.values[np.isfinite(channel.values)]
-    return float(to_si(np.median(values), stated_unit(channel, None, "m/s2") or "")[0]) if values.size else float("nan")
+    if unit is None or not values.size:
+        return False
+    return bool(abs(abs(float(to_si(np.median(values), unit)[0])) - STANDARD_GRAVITY) < GRAVITY_OFF)
 
 
 def horizontal(channels: Sequence[RawChannel], without: Iterable[str]) -> tuple[RawChannel | None, RawChannel | None]:
@@ -66,7 +71,7 @@ def horizontal(channels: Sequence[RawChannel], without: Iterable[str]) -> tuple[
     for stem, axes in sensors.items():
         if WHEEL_WORDS & set(re.split(r"[\W\d_]+", stem)):
             continue
-        upright = [a for a, c in axes.items() if abs(abs(_usual(c)) - STANDARD_GRAVITY) < GRAVITY_OFF]
+        upright = [a for a, c in axes.items() if shows_gravity(c)]
         if len(upright) == 1:
             sure.append({a: c for a, c in axes.items() if a not in upright})
         elif not upright and "z" not in axes and frozenset(re.split(r"[\W\d_]+", stem)) <= BODY_WORDS:

@@ -1,21 +1,27 @@
-"""Which channels tell by their vibration whether a car moves, and as which derivative of a displacement."""
+"""Which channels show the motion of the car, and which of them tell by their vibration whether it moves."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from suspid.cleaning import derivative_order, si_unit, to_si
 from suspid.errors import InputError
+from suspid.greybox.channel_words import ELSEWHERE_WORDS, LEVEL_WORDS, UPRIGHT_WORDS, words_of
+from suspid.greybox.level_axes import WHEEL_WORDS, shows_gravity, stem_of
 from suspid.greybox.stated_units import own_unit
 from suspid.greybox.wheels import body_channels
 from suspid.model import Suspension, output_weights
-from suspid.recordings import Recording
+from suspid.recordings import RawChannel, Recording
+from suspid.units import Second
 from suspid.words import Check, Level, Remark
 from suspid.words.drives import DriveRemark
 
 # Derivative of a displacement that a channel of which nothing is said is taken for: sensors on cars are accelerometers.
 UNSTATED_ORDER = 2
+FEWEST_CHANGES = 10  # of a channel that is held: fewer may be those of one that is stuck
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -23,8 +29,10 @@ class Shaken:
     """The channels whose vibration is judged: derivative of the displacement, and factor to SI."""
 
     orders: Mapping[str, tuple[int, float]]
-    # Those that move wherever the car is on a road: on the body where a car says which they are.
+    # Those that move wherever the car is on a road: on the body where a car or their names say which they are.
     body: frozenset[str] = frozenset()
+    judged: frozenset[str] = frozenset()  # the loudest of them says whether the car moves
+    upright: bool = False  # whether one on the body measures up and down
     unknown: tuple[str, ...] = ()  # of which nothing says what they measure, though they are judged
 
 
@@ -32,23 +40,63 @@ def shaken_of(recording: Recording, names: Sequence[str], car: Suspension | None
     """Return the channels whose vibration tells whether the car moves, each as the quantity that it measures.
 
     Those that measure displacements, velocities and accelerations are judged; without any, angles and their rates. If
-    nothing says what any channel measures, all are judged as accelerations.
+    nothing says what any channel measures, all are judged as accelerations. Of the body's, those of the highest
+    derivative decide: in the others the noise of the sensor may look like vibration.
     """
     straight, turning, others = dict[str, tuple[int, float]](), dict[str, tuple[int, float]](), list[str]()
     for name in names:
-        unit = own_unit(recording[name])
-        order = order_in(car, name)
+        channel, order = recording[name], order_in(car, name)
         if order is None:
-            order = derivative_order(name, unit)
+            order = _order(channel)
         if order is None:
             others.append(name)
             continue
-        kind = turning if si_unit(unit).startswith("rad") else straight
-        kind[name] = order, _factor(unit)
+        kind = turning if si_unit(own_unit(channel)).startswith("rad") else straight
+        kind[name] = order, _factor(own_unit(channel))
     told = straight or turning
     if not told:
-        return Shaken(orders=dict.fromkeys(others, (UNSTATED_ORDER, 1.0)), unknown=tuple(others))
-    return Shaken(orders=told, body=frozenset(told if car is None else body_channels(car, list(told))))
+        alike = dict.fromkeys(others, (UNSTATED_ORDER, 1.0))
+        return Shaken(orders=alike, judged=frozenset(others), unknown=tuple(others))
+    on_body = body_channels(car, list(told)) if car is not None else [n for n in told if not words_of(n) & WHEEL_WORDS]
+    body = frozenset(on_body) if car is not None else frozenset(on_body or told)
+    highest = max(told[name][0] for name in body or told)
+    return Shaken(
+        orders=told,
+        body=body,
+        judged=frozenset(name for name in body or told if told[name][0] == highest),
+        upright=any(car is not None or _upright(recording[name]) for name in body),
+    )
+
+
+def moving(channels: Sequence[RawChannel], least: Second) -> list[RawChannel]:
+    """Return the channels that show motion of the car: displacements to accelerations, and rates of rotation.
+
+    Where there is none, those of which nothing is known. Values that are usually held for ``least`` [s] are those of a
+    slow bus or of satellites, which show no vibration.
+    """
+    quick = [one for one in channels if usually_held(one) < least] or list(channels)
+    known = [one for one in quick if _order(one) is not None]
+    turns = {one.name for one in known if si_unit(own_unit(one)) == "rad"}
+    # Angles count where nothing else is known: headings turn with the road.
+    told = [one for one in known if one.name not in turns] or known
+    return told or [one for one in quick if _open(one)]
+
+
+def usually_held(channel: RawChannel) -> Second:
+    """Return how long a channel usually stays at one value [s]; 0 where it hardly changes at all.
+
+    Examples
+    --------
+    >>> t = np.arange(1000) / 100
+    >>> usually_held(RawChannel(name="speed", unit="m/s", timepts=t, values=np.floor(t / 0.5), rate=None))
+    0.5
+    """
+    good = np.isfinite(channel.values) & np.isfinite(channel.timepts)
+    times, values = channel.timepts[good], channel.values[good]
+    changes = np.flatnonzero(np.diff(values) != 0)
+    if changes.size < FEWEST_CHANGES:
+        return 0.0
+    return float(np.round(np.median(np.diff(times[changes])), 9))
 
 
 def said_of(shaken: Shaken, *, by_vibration: bool) -> list[Check]:
@@ -66,6 +114,30 @@ def order_in(car: Suspension | None, name: str) -> int | None:
         return output_weights(car, name)[0]
     except InputError:
         return None
+
+
+def _order(channel: RawChannel) -> int | None:
+    """Return the derivative that a channel measures by its unit, or by its name if the unit may be any sensor's."""
+    unit = own_unit(channel)
+    if words_of(channel.name) & ELSEWHERE_WORDS or unit.strip().lower() in ("rpm", "%"):
+        return None
+    return derivative_order(channel.name, unit)
+
+
+def _open(channel: RawChannel) -> bool:
+    """Return whether nothing says what a channel measures: no unit, that of a voltage, or none of a quantity."""
+    unit = own_unit(channel).strip()
+    there = channel.values[np.isfinite(channel.values)]
+    changes = there.size > 0 and bool(np.any(there != there[0]))
+    return changes and not words_of(channel.name) & ELSEWHERE_WORDS and (not unit or si_unit(unit) == "V")
+
+
+def _upright(channel: RawChannel) -> bool:
+    """Return whether a channel measures up and down: by its axis, its place in the car, or gravity."""
+    words = words_of(channel.name)
+    if words & LEVEL_WORDS:
+        return shows_gravity(channel)
+    return bool(words & UPRIGHT_WORDS) or stem_of(channel.name)[-1:].lower() == "z" or shows_gravity(channel)
 
 
 def _factor(unit: str) -> float:

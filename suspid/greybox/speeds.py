@@ -31,6 +31,8 @@ FASTEST_CAR: MetrePerSecond = 120.0
 HARDEST: MetrePerSecond2 = 15.0
 # Channels of speed have steps of 1 mph or finer ones.
 COARSEST_STEP: MetrePerSecond = 0.5
+# Of the units of speed km/h has the largest numbers: of 1 m/s.
+KMH = 3.6
 # A value counts as known for this many steps of its channel, but for at least this time: longer ones are tunnels.
 KNOWN_STEPS, KNOWN_FOR = 3.0, 2.0
 NO_CHANNEL = "none"  # asks for no channel, as with time
@@ -46,6 +48,7 @@ class Way:
     yaw: RawChannel | None
     # A channel that is named like a speed and was not used, and why.
     unused: tuple[str, Wording] | None = None
+    unread: RawChannel | None = None  # that channel, where only its unit is not known
     upright: bool = False  # whether the yaw rate was known by its axis, which gravity shows, and not by its name
     by_unit: bool = False  # whether the speed was known by its unit alone
     by_axis: tuple[str, ...] = ()  # accelerations along and across that were known by their axes, not by their names
@@ -65,6 +68,7 @@ class Going:
     speed: RealArray  # [m/s]
     longitudinal: RealArray  # [m/s2]
     lateral: RealArray  # [m/s2]
+    unread: RealArray  # what may be the speed, in the unit of the file
 
 
 def way_of(
@@ -119,6 +123,7 @@ def way_of(
     return Way(
         speed=None if unused else moving,
         unused=unused,
+        unread=None if unused is None or moving is not None else recording[unused[0]],
         longitudinal=along or first,
         lateral=across or second,
         yaw=yaw or upright,
@@ -173,7 +178,8 @@ def going(way: Way, edges: RealArray) -> Going:
         across = np.abs(_about_usual(by_block(way.lateral, edges)))
     if way.yaw is not None:
         across = np.fmax(across, np.abs(v * _about_usual(by_block(way.yaw, edges))))
-    return Going(speed=v, longitudinal=along, lateral=across)
+    unread = nothing if way.unread is None else by_block(way.unread, edges, low=0.0, high=FASTEST_CAR * KMH)
+    return Going(speed=v, longitudinal=along, lateral=across, unread=unread)
 
 
 def directed(channel: RawChannel) -> RawChannel:

@@ -87,6 +87,13 @@ def _against(blocks: Blocks, first: int, after: int, limits: DriveLimits) -> tup
             numbers = {"limit": limits.least_speed, "low": _most(-blocks.going.speed[first:after], sign=-1)}
         elif reason is DriveReason.STANDING:
             numbers = {"limit": limits.least_vibration, "level": float(np.median(blocks.level[first:after][here]))}
+        elif reason is DriveReason.QUIET:
+            numbers = {
+                "limit": limits.least_vibration,
+                "level": float(np.median(blocks.level[first:after][here])),
+                "channel": blocks.unread,
+                "most": _most(blocks.going.unread[first:after][here]),
+            }
         elif reason is DriveReason.ROLLING:
             numbers = {
                 "limit": limits.least_vibration,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
+from suspid.wording import Argument
 from suspid.words.remarks import MOST_NAMED, Code, Number, count, in_a_row, sentence
 
 
@@ -24,6 +26,21 @@ def _listed(numbers: Mapping[str, Number]) -> str:
     names = numbers["names"]
     assert isinstance(names, tuple)
     return in_a_row(names)
+
+
+def _no_unit(numbers: Mapping[str, Any]) -> str:
+    one = len(numbers["channels"]) == 1
+    measures = "measures" if one else "measure"
+    were = "it were an acceleration" if one else "they were accelerations"
+    state = (
+        "State its unit, or name it by what it measures"
+        if one
+        else ("State their units, or name them by what they measure")
+    )
+    return (
+        f"Nothing says what {_channels(numbers)} {measures}: whether the car moves was judged as if {were} in m/s2. "
+        f"{state}, such as 'body_travel'."
+    )
 
 
 def _found(numbers: Mapping[str, Number]) -> str:
@@ -49,6 +66,11 @@ class DriveReason(Code):
     STUCK = "stuck", sentence(lambda n: f"{_channels(n)} stuck at one value")
     SLOW = "slow", "slower than {limit:g} m/s (down to {low:.2g} m/s)"
     STANDING = "standing", "standing (vibration {level:.2g} m/s2, limit {limit:g} m/s2)"
+    QUIET = (
+        "quiet",
+        "hardly vibrating ({level:.2g} m/s2, limit {limit:g} m/s2), though {channel!r} is up to {most:.3g}: state "
+        "the unit of speed",
+    )
     ROLLING = (
         "on rollers",
         "not on a road: at {speed:.3g} m/s the body vibrates with only {level:.2g} m/s2 (limit {limit:g} m/s2), as on "
@@ -95,12 +117,13 @@ class DriveRemark(Code):
             )
         ),
     )
-    NO_UNIT = (
-        "no unit",
+    NO_UNIT = "no unit", sentence(_no_unit)
+    NO_MOTION = (
+        "no motion",
         sentence(
             lambda n: (
-                f"Nothing says what {_channels(n)} measure: whether the car moves was judged as if they were "
-                "accelerations in m/s2. State their units, or name them by what they measure, such as 'body_travel'."
+                f"Left out, because not known to show vibration of the car: {_channels(n)}. Name those that "
+                f"do ({Argument('channels')})."
             )
         ),
     )
