@@ -12,6 +12,7 @@ from suspid.errors import RecordError
 from suspid.samples import Samples, as_samples
 from suspid.signals import JITTER, Signal, as_signal, real_numbers
 from suspid.units import RealArray, Second
+from suspid.wording import moment
 
 if TYPE_CHECKING:
     import control
@@ -100,7 +101,7 @@ def cut(
     if np.sum(keep) < 2:
         raise RecordError(
             f"the record has {np.sum(keep)} samples {span(start, stop)}; "
-            f"it lasts from {time[0]:.6g} to {time[-1]:.6g} s"
+            f"it lasts from {moment(time[0])} to {moment(time[-1])} s"
         )
     inputs = {name: samples[keep] for name, samples in inputs_of(response).items()}
     return like(response, time[keep], signal.values[:, keep], signal.channels, inputs=inputs)
@@ -115,8 +116,8 @@ def span(start: Second | None, stop: Second | None) -> str:
     ('from 2 s on', 'until 3 s', 'from 2 to 3 s')
     """
     if stop is None:
-        return f"from {start:.6g} s on" if start is not None else "in all"
-    return f"until {stop:.6g} s" if start is None else f"from {start:.6g} to {stop:.6g} s"
+        return f"from {moment(start)} s on" if start is not None else "in all"
+    return f"until {moment(stop)} s" if start is None else f"from {moment(start)} to {moment(stop)} s"
 
 
 def late_start(signal: Signal) -> Second | None:

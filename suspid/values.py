@@ -14,7 +14,7 @@ import numpy as np
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.units import ComplexArray, RealArray
-from suspid.wording import Argument
+from suspid.wording import Argument, moment
 
 # Names that a message lists; a file may have hundreds of channels.
 MOST_NAMES = 10
@@ -144,7 +144,7 @@ def samples_in_words(timepts: RealArray, channels: Sequence[str]) -> str:
     start = 0.0 if not len(timepts) or abs(timepts[0]) <= 1e-9 * length / len(timepts) else float(timepts[0])
     names = ", ".join(channels[:6]) + (", …" if len(channels) > 6 else "")
     number = f"{len(channels)} channel{'s' * (len(channels) != 1)}"
-    return f"{len(timepts)} samples{rate} from t = {start:.6g} s, {number}: {names}"
+    return f"{len(timepts)} samples{rate} from t = {moment(start)} s, {number}: {names}"
 
 
 @contextmanager

@@ -11,6 +11,28 @@ from dataclasses import dataclass
 _CALLED: ContextVar[Mapping[str, str] | None] = ContextVar("called", default=None)
 
 
+def moment(seconds: float) -> str:
+    """Return a time [s] to six digits and at least to the millisecond, so that it can be given as an option.
+
+    Examples
+    --------
+    >>> moment(0.1234567), moment(726.9871), moment(604800.0625), moment(1.0)
+    ('0.123457', '726.987', '604800.062', '1')
+    """
+    return f"{seconds:.6g}" if not 1e3 <= abs(seconds) < 1e12 else f"{seconds:.3f}".rstrip("0").rstrip(".")
+
+
+def when(start: float, stop: float) -> str:
+    """Return in words a stretch of time [s], which may be a moment.
+
+    Examples
+    --------
+    >>> when(1.5, 2.0), when(1.0, 1.0)
+    ('from 1.5 to 2 s', 'at 1 s')
+    """
+    return f"from {moment(start)} to {moment(stop)} s" if stop > start else f"at {moment(start)} s"
+
+
 @dataclass(frozen=True, slots=True)
 class Argument:
     """An argument of a function that a message speaks of, with what is given for it.

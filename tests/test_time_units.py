@@ -10,7 +10,7 @@ import pytest
 
 from suspid import RecordError, Settings, analyse, as_record, clean, read_record, read_recording
 from suspid.io.epochs import counted_from_first
-from suspid.recordings import RawChannel
+from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
 from suspid.words import LeftOut
 
@@ -147,6 +147,17 @@ class TestSinceADate:
         ]
         (first, second), _ = counted_from_first(raw, None)
         assert [first.timepts[0], second.timepts[0]] == [0.125, 0.0]
+
+    def test_advice_on_late_times_can_be_typed(self) -> None:
+        # Seconds of the week, as of GPS: six digits would not tell its times apart.
+        rows = np.arange(4000)
+        rows = rows[(rows < 1700) | (rows > 2100)]
+        stamps = 604_000.25 + STEP * rows
+        raw = RawChannel(name="seat", unit="m", timepts=stamps, values=np.sin(20 * stamps), rate=None)
+        with pytest.raises(
+            RecordError, match=r"start=604000\.25, stop=604008\.745|start=604010\.755, stop=604020\.245"
+        ):
+            clean(Recording(title="", channels=(raw,)))
 
     @pytest.mark.parametrize("start", [0.0, 604_000.0])
     def test_others_stay(self, tmp_path: Path, start: float) -> None:

@@ -18,6 +18,7 @@ from suspid.samples import as_samples
 from suspid.signals import as_signal
 from suspid.units import Hertz, Second
 from suspid.values import check_rate
+from suspid.wording import moment
 
 
 @explained
@@ -105,7 +106,7 @@ def _within(channel: RawChannel, start: Second | None, stop: Second | None) -> R
     inside = (channel.timepts >= low) & (channel.timepts <= high)
     if np.sum(inside) < 2:
         known = channel.timepts[np.isfinite(channel.timepts)]
-        ends = f"; it lasts from {known.min():.6g} to {known.max():.6g} s" if known.size else ""
+        ends = f"; it lasts from {moment(known.min())} to {moment(known.max())} s" if known.size else ""
         raise RecordError(f"channel {channel.name!r} has {np.sum(inside)} samples {span(start, stop)}{ends}")
     # One array of stamps stays one array, so that the channels of a clock are known to be of one.
     return replace(channel, timepts=channel.timepts[inside], values=channel.values[inside])

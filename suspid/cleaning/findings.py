@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.units import RealArray, Second
+from suspid.wording import when
 from suspid.words import Check, Code, Defect, Level, Number, Remark
 
 
@@ -128,7 +129,7 @@ class Finding:
 
     def __str__(self) -> str:
         of = f", channel {self.channel!r}" if self.channel else ""
-        where = f" from {self.start:.6g} to {self.stop:.6g} s" if self.stop > self.start else f" at {self.start:.6g} s"
+        where = f" {when(self.start, self.stop)}"
         return f"{self.kind}{of}{where}: {self.text}"
 
 

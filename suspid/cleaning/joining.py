@@ -17,7 +17,7 @@ from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
-from suspid.wording import Argument
+from suspid.wording import Argument, moment, when
 from suspid.words import Defect, Number, count
 
 # Relative difference of two rates up to which they are one, of a logger whose clock strays. A slower channel is left
@@ -76,8 +76,8 @@ def one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Find
     inside = (lead.timepts >= first - 1e-6 * lead.step) & (lead.timepts <= last + 1e-6 * lead.step)
     if np.sum(inside) < 2:
         raise RecordError(
-            f"the channels do not overlap in time: {', '.join(map(repr, lead.names))} run from {lead.timepts[0]:g} to "
-            f"{lead.timepts[-1]:g} s; name channels that were recorded together"
+            f"the channels do not overlap in time: {', '.join(map(repr, lead.names))} run "
+            f"{when(lead.timepts[0], lead.timepts[-1])}; name channels that were recorded together"
         )
     if np.all(inside) and len(together) == 1:
         return lead, findings
@@ -151,11 +151,11 @@ def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | 
     low, high = times[starts[longest]], times[stops[longest] - 1]
     return RecordError(
         f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
-        f"the longest in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; "
-        f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: take it with ",
-        Argument("start", f"{low:.6g}"),
+        f"the longest in {', '.join(map(repr, gaps))} from {moment(times[begin[k]])} to {moment(times[end[k] - 1])} s; "
+        f"the longest stretch without such a gap is {moment(low)} to {moment(high)} s: take it with ",
+        Argument("start", moment(low)),
         ", ",
-        Argument("stop", f"{high:.6g}"),
+        Argument("stop", moment(high)),
     )
 
 

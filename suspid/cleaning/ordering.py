@@ -10,7 +10,7 @@ from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
 from suspid.stamps import FEW, Indices, line, resolution
 from suspid.units import Ratio, RealArray
-from suspid.wording import Argument
+from suspid.wording import Argument, moment
 from suspid.words import Defect, Number
 
 # Latest possible time stamp [s].
@@ -125,7 +125,7 @@ def _disordered(times: RealArray) -> str:
         same = np.flatnonzero(np.diff(times) == 0)
         return (
             f"{same.size} time stamps repeat the one before, with other samples, the first at "
-            f"t = {times[same[0]]:g} s, and no uniform clock rounds to them; remove one row of each, or give "
+            f"t = {moment(times[same[0]])} s, and no uniform clock rounds to them; remove one row of each, or give "
             f"{Argument('fs')} if the rows are regular"
         )
     edges = np.concatenate([[0], back + 1, [times.size]])
@@ -133,7 +133,8 @@ def _disordered(times: RealArray) -> str:
     first, last = edges[longest], edges[longest + 1] - 1
     k = back[0]
     return (
-        f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from {times[k]:g} s to "
-        f"{times[k + 1]:g} s): the clock restarted, or the file contains several recordings; the longest run is "
-        f"rows {first + 1} to {last + 1}, {times[first]:g} to {times[last]:g} s; keep one of them in the file"
+        f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from "
+        f"{moment(times[k])} s to {moment(times[k + 1])} s): the clock restarted, or the file contains several recordings; the longest "
+        f"run is rows {first + 1} to {last + 1}, {moment(times[first])} to {moment(times[last])} s; keep one of "
+        f"them in the file"
     )

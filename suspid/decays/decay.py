@@ -12,6 +12,7 @@ from suspid.results import Result, columns_of
 from suspid.text_tables import text_table
 from suspid.units import Decibel, RealArray, Second
 from suspid.values import MOST_NAMES
+from suspid.wording import moment
 from suspid.words import Check, DecayDoubt, DecayKind, DecayRemark, Level, Remark, Verdict
 
 # Doubts that the motion is a free decay at all; the others say that it tells little.
@@ -76,7 +77,7 @@ class Decay:
 
     def __str__(self) -> str:
         what = f"{self.cycles:.1f} cycles, {self.level:.0f} dB above the background"
-        return "; ".join([f"{self.start:.6g} … {self.stop:.6g} s: {what}", *map(str, self.doubts)])
+        return "; ".join([f"{moment(self.start)} … {moment(self.stop)} s: {what}", *map(str, self.doubts)])
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -139,7 +140,7 @@ class Decays(Sequence[Decay], Result):
 
     def _brief(self) -> str:
         more = [f"and {len(self) - MOST_NAMES} more"] if len(self) > MOST_NAMES else []
-        spans = ", ".join([f"{one.start:.6g} … {one.stop:.6g} s" for one in self[:MOST_NAMES]] + more)
+        spans = ", ".join([f"{moment(one.start)} … {moment(one.stop)} s" for one in self[:MOST_NAMES]] + more)
         return f"{self.verdict.headline}{': ' if spans else ''}{spans}"
 
     def __str__(self) -> str:

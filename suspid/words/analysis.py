@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.wording import Argument
+from suspid.wording import Argument, moment
 from suspid.words.remarks import MOST_LISTED, Code, Number, count, in_a_row, sentence
 
 
@@ -36,7 +36,7 @@ class Note(Code):
         "decay used",
         sentence(
             lambda n: (
-                f"the decay from {n['start']:.6g} to {n['stop']:.6g} s is used"
+                f"the decay from {moment(float(str(n['start'])))} to {moment(float(str(n['stop'])))} s is used"
                 + (f"; {n['others']} more were found: see {Argument('decay')}" if n["others"] else "")
             )
         ),

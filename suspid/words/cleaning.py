@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TypeAlias, cast
 
-from suspid.wording import Argument
+from suspid.wording import Argument, moment, when
 from suspid.words.remarks import Code, Number, Words, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Number]
@@ -21,7 +21,7 @@ def place(numbers: Numbers) -> str:
     """
     start, stop = _number(numbers, "start"), _number(numbers, "stop")
     channel = f"channel {numbers['channel']!r} " if numbers["channel"] else ""
-    return channel + (f"from {start:.6g} to {stop:.6g} s" if stop > start else f"at {start:.6g} s")
+    return channel + when(start, stop)
 
 
 def _number(numbers: Numbers, name: str) -> float:
@@ -128,10 +128,10 @@ def _missing(numbers: Numbers) -> str:
 
 def _clipped(numbers: Numbers) -> str:
     limit = "largest" if numbers["largest"] else "smallest"
+    since, last = (moment(_number(numbers, name)) for name in ("longest_start", "last"))
     return (
         f"{_count(numbers, 'sample')} at the {limit} value {numbers['value']:.6g}, {numbers['longest']} of them in a "
-        f"row from {numbers['longest_start']:.6g} s: clipped; cut the record after {numbers['last']:.6g} s or leave "
-        f"the channel out"
+        f"row from {since} s: clipped; cut the record after {last} s or leave the channel out"
     )
 
 
@@ -182,7 +182,7 @@ def _interpolated(numbers: Numbers) -> str:
 def _cut(numbers: Numbers) -> str:
     why = "samples are missing there or next to it" if numbers["missing"] else "not all channels were recorded there"
     first, last = _number(numbers, "first"), _number(numbers, "last")
-    return f"{_count(numbers, 'sample')} at the ends cut off ({why}); {first:.6g} to {last:.6g} s kept"
+    return f"{_count(numbers, 'sample')} at the ends cut off ({why}); {moment(first)} to {moment(last)} s kept"
 
 
 def _placed(words: Words) -> Callable[[Numbers], str]:
@@ -246,7 +246,7 @@ class Defect(Code):
         "wrong stamps",
         sentence(
             lambda n: (
-                f"{_count(n, 'time stamp')} inconsistent with all others, the first {n['first']:g} s; "
+                f"{_count(n, 'time stamp')} inconsistent with all others, the first {moment(_number(n, 'first'))} s; "
                 + (
                     "rows left out"
                     if n.get("left_out")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import StrEnum
 
-from suspid.wording import Argument
+from suspid.wording import Argument, moment
 from suspid.words.remarks import Code, Number, count, sentence
 
 
@@ -19,7 +19,7 @@ def _percent(share: Number) -> str:
 
 
 def _event(numbers: Mapping[str, Number]) -> str:
-    return f"t = {numbers['time']:.6g} s, {numbers['level']:.0f} dB above the background: "
+    return f"t = {moment(float(str(numbers['time'])))} s, {numbers['level']:.0f} dB above the background: "
 
 
 def _names(names: Number, form: str = "") -> str:
