@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.errors import IdentificationError
+from suspid.identification.changing import with_changing
 from suspid.identification.considered import Considered, beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
@@ -76,6 +77,7 @@ def by_likelihood(
         considered = (*growing, *beside_bent(selection, modes, signal.step))
     else:
         if steps.count is None:
+            selection = with_changing(selection, centred, noise, limits)
             selection = without_pulse(without_beginning(without_lines(selection)), centred)
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.selection import Selection
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason
 
 # Poles nearer to each other than this many resolutions of the record, ``2 pi / duration``, and than this share of
@@ -31,7 +31,7 @@ def without_lines(selection: Selection) -> Selection:
     steady = np.array([reason in STEADY for reason in reasons[: len(poles)]], bool)
     if not np.any(steady):
         return selection
-    line = _connected(poles.imag, np.minimum(REACH * 2 * np.pi / count, WANDER * poles.imag))
+    line = lines_of(poles, count)
     amplitudes = np.abs(selection.fit.amplitudes[: len(poles)]) ** 2 / (selection.fit.squares + 1e-300)
     first = np.sqrt(np.sum(amplitudes, axis=1))
     largest = first * np.exp(np.maximum(poles.real, 0.0) * count)
@@ -41,6 +41,11 @@ def without_lines(selection: Selection) -> Selection:
         if reasons[k] is None and np.sum(largest[beside]) > COMPARABLE * first[k]:
             reasons[k], steady[k] = Reason.LINE, True
     return replace(selection, reasons=tuple(reasons))
+
+
+def lines_of(pairs: ComplexArray, count: int) -> NDArray[np.intp]:
+    """Return the number of the line of each pair: poles of one line are within its reach of each other."""
+    return _connected(pairs.imag, np.minimum(REACH * 2 * np.pi / count, WANDER * pairs.imag))
 
 
 def _connected(frequencies: RealArray, reach: RealArray) -> NDArray[np.intp]:
