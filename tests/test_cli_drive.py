@@ -18,7 +18,9 @@ from nptdms import ChannelObject, TdmsWriter
 
 from suspid import (
     RawChannel,
+    RecordError,
     Recording,
+    Settings,
     Suspension,
     analyse_drive,
     quarter_car,
@@ -258,6 +260,43 @@ class TestDampers:
         )
         assert found == ()
         assert notes[0].remark.code is DriveRemark.NO_CURVE
+
+
+class TestVertical:
+    def test_a_tilted_sensor_gives_what_an_upright_one_does(self, folder: Path) -> None:
+        """The body's acceleration and gravity along an axis that is 30 degrees off z, and other motion across it."""
+        times, channels = drive(4, 400.0)
+        up = channels["chassis_acceleration"]
+        across = 0.3 * np.random.default_rng(8).standard_normal(times.size)
+        tilt = np.radians(30.0)
+        axes = np.array([[np.cos(tilt), 0, np.sin(tilt)], [0, 1, 0], [-np.sin(tilt), 0, np.cos(tilt)]])
+        tilted = dict(zip("xyz", axes @ np.array([across, across[::-1], 9.81 + up]), strict=True))
+        speed = {"Vehicle speed": channels["Vehicle speed"]}
+        one = run("drive", write(folder / "upright.csv", times, {"vertical": up, **speed}))
+        done = run("drive", write(folder / "tilted.csv", times, {**tilted, **speed}), "--vertical", "x,y,z")
+        assert done.exit_code == 0, done.output
+        rows = [line.split() for out in (one, done) for line in out.output.splitlines() if " vertical " in line]
+        assert len(rows) == 2
+        assert float(rows[1][1]) == pytest.approx(float(rows[0][1]), rel=0.02)
+        assert "by gravity; 30.00" in done.output.replace("29.99", "30.00").replace("30.01", "30.00")
+
+    @pytest.mark.parametrize("gravity", [1.0, 9.81])
+    def test_gravity_tells_the_unit(self, gravity: float) -> None:
+        times, rng = np.arange(6000) / 100, np.random.default_rng(3)
+        values = {n: gravity * ((n == "z") + 0.1 * rng.standard_normal(times.size)) for n in "xyz"}
+        made = tuple(RawChannel(name=n, unit="", timepts=times, values=v, rate=None) for n, v in values.items())
+        found = analyse_drive(Recording(title="box", channels=made), settings=Settings(vertical=("x", "y", "z")))
+        (record,) = found.drives[0].records
+        assert np.std(np.asarray(record.y)) == pytest.approx(0.981, rel=0.05)
+        assert DriveRemark.NO_UNIT not in {check.remark.code for check in found.remarks}
+
+    def test_axes_that_make_no_sensor_are_refused(self) -> None:
+        times = np.arange(2000) / 100
+        made = [RawChannel(name=n, unit=u, timepts=times + late, values=np.sin(times), rate=None)
+                for n, u, late in (("x", "g", 0.0), ("y", "g", 0.0), ("z", "m", 0.0), ("w", "g", 0.005))]  # fmt: skip
+        for axes, why in ((("x", "y", "z"), "different units"), (("x", "y", "w"), "different clocks")):
+            with pytest.raises(RecordError, match=why):
+                analyse_drive(Recording(title="box", channels=tuple(made)), settings=Settings(vertical=axes))
 
 
 class TestBodyAlone:

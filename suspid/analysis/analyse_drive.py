@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -128,11 +129,12 @@ def analyse_drive(
         step("reading")
         name = source.title if isinstance(source, Recording) else os.fspath(source)
         with naming(name):
-            recording = read_drive(source, settings)
+            recording, said = read_drive(source, settings)
             step("finding stretches")
             renamed = dict(settings.rename)
             chosen = [renamed.get(name, name) for name in settings.channels] if settings.channels else None
-            drives.append(find_drives(recording, car=car, channels=chosen, limits=limits, **dict(way or {})))
+            found = find_drives(recording, car=car, channels=chosen, limits=limits, **dict(way or {}))
+            drives.append(replace(found, remarks=(*said, *found.remarks)))
             del recording
     records = [record for one in drives for record in one.records]
     if not records:

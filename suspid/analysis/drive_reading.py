@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from suspid.analysis.drive_vertical import upright
 from suspid.analysis.reading import channel_named
 from suspid.analysis.settings import Settings
 from suspid.cleaning import to_si, unmarked
@@ -17,10 +18,12 @@ from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
 from suspid.units import ROAD_SPEEDS
 from suspid.wording import Argument
+from suspid.words import Check, Level, Remark
+from suspid.words.analysis import Note
 
 
-def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -> Recording:
-    """Return a recording with channels in SI units where the file states a unit, renamed and scaled.
+def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -> tuple[Recording, tuple[Check, ...]]:
+    """Return a recording with channels in SI units where the file states a unit, renamed and scaled, and notes on it.
 
     Names lose the units in brackets behind them where that leaves them different.
 
@@ -29,26 +32,27 @@ def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -
     RecordError
         If the source cannot be read, or a channel is not there.
     InputError
-        If a setting is of no use here.
+        If renaming leaves two channels of the same name.
     """
-    if settings.vertical is not None:
-        raise InputError("vertical is not found in drives; name the vertical axis of the sensor with rename")
     if isinstance(source, Recording):
         return _wanted(source, settings)
     recording = read_recording(source, time=settings.time, fs=settings.fs, dbc=settings.dbc)
     return _wanted(recording, settings)
 
 
-def _wanted(recording: Recording, settings: Settings) -> Recording:
+def _wanted(recording: Recording, settings: Settings) -> tuple[Recording, tuple[Check, ...]]:
     if settings.test is not None:
         recording = recording.of_test(settings.test)
     elif len(recording.tests) > 1:
         raise RecordError(f"contains {len(recording.tests)} tests; choose one: {', '.join(recording.tests)}")
+    scale = {channel_named(name, recording.names): factor for name, factor in dict(settings.scale).items()}
+    notes: tuple[Check, ...] = ()
+    if settings.vertical is not None:
+        recording, notes = _with_vertical(recording, settings.vertical, scale)
     names = recording.names
     for name in settings.channels or ():
         channel_named(name, names)
     dropped = {channel_named(name, names) for name in settings.without}
-    scale = {channel_named(name, names): factor for name, factor in dict(settings.scale).items()}
     rename = {channel_named(name, names): new for name, new in dict(settings.rename).items()}
     short = [bare_name(name) for name in names]
     called = {name: own if short.count(own) == 1 else name for name, own in zip(names, short, strict=True)} | rename
@@ -57,7 +61,18 @@ def _wanted(recording: Recording, settings: Settings) -> Recording:
         raise InputError("renaming leaves two channels of the same name; choose a new name")
     if settings.start is not None or settings.stop is not None:
         channels = _between(channels, settings)
-    return replace(recording, channels=tuple(channels))
+    return replace(recording, channels=tuple(channels)), notes
+
+
+def _with_vertical(
+    recording: Recording, given: Iterable[str], scale: Mapping[str, float]
+) -> tuple[Recording, tuple[Check, ...]]:
+    """Return a recording with the vertical of a tilted accelerometer in place of its axes, and how it was found."""
+    axes = [channel_named(name.strip(), recording.names) for name in given]
+    up, found = upright([_made(recording[name], {name: name}, scale) for name in axes])
+    kept = (up if channel.name == axes[0] else channel for channel in recording.channels)
+    notes = (Check(Remark(Note.VERTICAL, {"found": line}), Level.NOTE) for line in str(found).split("\n"))
+    return replace(recording, channels=tuple(c for c in kept if c.name not in axes)), tuple(notes)
 
 
 def _made(channel: RawChannel, called: Mapping[str, str], scale: Mapping[str, float]) -> RawChannel:

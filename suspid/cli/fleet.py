@@ -31,7 +31,7 @@ OF_DRIVES = (
     "speed", "speed_unit", "longitudinal", "lateral", "least_speed", "most_braking", "most_cornering", "shortest",
     "road", "wheel_radius",
 )  # fmt: skip
-OF_DECAYS = ("vertical", "which", "modes", "method", "band")
+OF_DECAYS = ("which", "modes", "method", "band")
 
 
 @click.command("fleet")

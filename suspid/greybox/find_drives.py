@@ -192,8 +192,8 @@ def _shaking(channels: Sequence[RawChannel], limits: DriveLimits) -> tuple[tuple
     others = tuple(channel.name for channel in channels if channel.name not in kept)
     if not kept:
         raise InputError(
-            f"no channel of the recording is known to measure motion of the car: {listed(others[:MOST_LISTED])}; name "
-            "those that do in ",
+            f"no channel of the recording is known to measure motion of the car: {listed(others[:MOST_LISTED])}"
+            f"{f' and {len(others) - MOST_LISTED} others' * (len(others) > MOST_LISTED)}; name those that do in ",
             Argument("channels"),
         )
     return kept, [Check(Remark(DriveRemark.NO_MOTION, {"channels": others}), Level.NOTE)] if others else []
