@@ -286,6 +286,27 @@ class TestExports:
         assert [channel.values.size for channel in recording.channels] == [30, 30]
         assert dict(recording.left_out)["Comment"].code is LeftOut.TEXT
 
+    @pytest.mark.parametrize(
+        "events", [{0: ", DAQ Start", 29: ", DAQ Pause, DAQ Stop"}, {29: ", DAQ Stop"}, {0: ", DAQ Start"}]
+    )
+    def test_events_behind_some_rows_are_cells_of_a_last_column(self, tmp_path: Path, events: dict[int, str]) -> None:
+        head = "Header Size:  7\nSampling Rate:  1000\nSample Number, Date/Time, CHANNEL0, CHANNEL1, Events\n"
+        rows = [
+            f"    {k + 1},   06/29/2022 04:05:36.{674 + k} PM, {-k * k / 8}, {k / 8}{events.get(k, '')}"
+            for k in range(30)
+        ]
+        recording = read(tmp_path, (head + "\n".join(rows) + "\n").replace("\n", "\r\n"))
+        assert recording.names == ("CHANNEL0", "CHANNEL1")
+        assert recording["CHANNEL0"].values.tolist() == [-k * k / 8 for k in range(30)]
+        said = {name: remark.code for name, remark in recording.left_out}
+        assert said["Events"] is LeftOut.TEXT
+        assert said["Sample Number"] is LeftOut.ROW_COUNTER
+
+    def test_a_name_too_many_is_no_column_of_events(self, tmp_path: Path) -> None:
+        rows = "\n".join(f"{k / 100},{k % 7},{k % 3}" for k in range(60))
+        with pytest.raises(RecordError, match="names 4 columns, but the rows have 3 cells"):
+            read(tmp_path, f"time,seat,front,left\n{rows}\n")
+
     @pytest.mark.parametrize("odd", ["degC", "U/min", "hPa", "widgets", "l/h"])
     def test_an_unknown_unit_beside_known_ones_is_a_unit(self, tmp_path: Path, odd: str) -> None:
         path = tmp_path / "a.csv"
@@ -411,6 +432,13 @@ class TestAnyText:
             with pytest.raises(RecordError) as refusal:
                 read(scratch, "\n".join(lines))
             assert len(str(refusal.value)) < 300 + len(str(scratch))
+
+    @pytest.mark.parametrize("text", ['fs: 10\n""\t:\n', "1 2\n- \x85\n"])
+    def test_quotes_and_odd_blanks_between_blanks(self, scratch: Path, text: str) -> None:
+        path = scratch / "q.txt"
+        path.write_text(text, encoding="utf-8")
+        table = read_delimited(path)
+        assert [column.size for column in table.columns(list(table.sizes))] == [1]
 
     @FUZZ
     @given(

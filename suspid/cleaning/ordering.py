@@ -134,7 +134,7 @@ def _disordered(times: RealArray) -> str:
     k = back[0]
     return (
         f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from "
-        f"{moment(times[k])} s to {moment(times[k + 1])} s): the clock restarted, or the file contains several recordings; the longest "
-        f"run is rows {first + 1} to {last + 1}, {moment(times[first])} to {moment(times[last])} s; keep one of "
-        f"them in the file"
+        f"{moment(times[k])} s to {moment(times[k + 1])} s): the clock restarted, or the file contains several "
+        f"recordings; the longest run is rows {first + 1} to {last + 1}, {moment(times[first])} to "
+        f"{moment(times[last])} s; keep one of them in the file"
     )

@@ -130,7 +130,7 @@ def _without_counter(plan: ColumnPlan, time: str) -> ColumnPlan:
 
 def _counters(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]:
     """Return the channels that count the rows by their names, and a first one without a name that does so."""
-    counters = [name for name in plan.followers if counts_rows(name, columns[name])]
+    counters = [name for name in plan.channels if counts_rows(name, columns[name])]
     first = next(iter(plan.followers), "")
     unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
     # In a matrix, the column before the time counts the rows.

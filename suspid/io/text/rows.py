@@ -150,7 +150,9 @@ def _suspects(piece: bytes, layout: Layout) -> list[int]:
     """Return the indices of the lines that are perhaps not rows; rather too many than too few."""
     delimiter, width = layout.dialect.delimiter, len(layout.names)
     if delimiter == " ":
-        return [k for k, row in enumerate(piece.split(b"\n")[:-1]) if len(row.split()) != width]
+        lines = piece.split(b"\n")[:-1]
+        # Quotes and blanks that are no ASCII make other cells than bytes do.
+        return [k for k, row in enumerate(lines) if len(row.split()) != width or b'"' in row or not row.isascii()]
     mark, trailing = delimiter.encode(), not layout.names[-1]
     # Without the characters of numbers, a row of numbers is its delimiters.
     left = piece.translate(None, NUMERALS + b"," if layout.dialect.comma and delimiter != "," else NUMERALS)
