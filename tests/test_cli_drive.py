@@ -354,6 +354,15 @@ class TestRefusals:
         ):
             assert run("drive", *arguments).exit_code == 2
 
+    def test_a_unit_of_speed_is_asked_for_by_its_option(self, folder: Path) -> None:
+        times, channels = drive()
+        file = write(folder / "v.csv", times, channels)
+        text = file.read_text(encoding="utf-8").replace("Vehicle speed [km/h]", "Vehicle speed")
+        file.write_text(text, encoding="utf-8")
+        assert "such as --speed-unit 'km/h'" in run("drive", file, "--car", folder / "car.toml").output
+        done = run("drive", file, "--car", folder / "car.toml", "--speed", "Vehicle speed")
+        assert "give it as --speed-unit" in done.output
+
     def test_no_usable_stretch_is_an_answer(self, folder: Path) -> None:
         times, channels = drive()
         file = write(folder / "parked.csv", times, {**channels, "Vehicle speed": np.zeros(times.size)})

@@ -12,6 +12,7 @@ from suspid.greybox.channel_words import ACCELERATION_WORDS, ROTATION_WORDS, wor
 from suspid.io import bare_name, bracketed_unit
 from suspid.recordings import RawChannel
 from suspid.units import RealArray
+from suspid.wording import Argument
 
 # How names and files spell units that `to_si` knows.
 SPELLED = {
@@ -98,8 +99,8 @@ def in_si(channel: RawChannel, si: str, unit: str | None) -> RawChannel:
     """Return a channel in the unit of SI of its quantity."""
     found = stated_unit(channel, unit, si)
     if found is None:
-        hint = "; give it as speed_unit" if si == "m/s" else ""
-        raise InputError(f"channel {channel.name!r} has no unit like {si} (it states {channel.unit or 'none'}){hint}")
+        hint = ("; give it as ", Argument("speed_unit")) if si == "m/s" else ()
+        raise InputError(f"channel {channel.name!r} has no unit like {si} (it states {channel.unit or 'none'})", *hint)
     return RawChannel(
         name=channel.name, unit=si, timepts=channel.timepts, values=to_si(channel.values, found)[0], rate=channel.rate
     )
