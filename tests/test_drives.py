@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
+from suspid import DriveLimits, Drives, InputError, RawChannel, RecordError, Recording, find_drives, quarter_car
 from suspid.cleaning import clipped_times, stuck_times, to_si
 from suspid.greybox import nothing_usable, stretch_table
 from suspid.greybox.blocks import vibration
@@ -356,6 +356,12 @@ class TestSensors:
         found = find_drives(ride(channel("az", body()), channel("bz", body(2)), slow))
         assert ends(found) == [(0.0, 120.0)]
         assert as_signal(found.records[0]).channels == ("az", "bz")
+
+    @pytest.mark.parametrize("rate", [1.0, 2.4])
+    def test_a_rate_that_passes_no_vibration_is_refused(self, rate: float) -> None:
+        slow = np.arange(300) / rate
+        with pytest.raises(RecordError, match=r"too slow for a drive: .* needs 2.5 Hz"):
+            find_drives(ride(channel("az", body()[:300], times=slow)))
 
     def test_a_pause_parts_the_recording(self) -> None:
         late = np.where(TIME < 60, TIME, TIME + 1000.0)

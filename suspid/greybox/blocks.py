@@ -46,6 +46,12 @@ class Blocks:
 def examined(part: Sequence[RawChannel], way: Way, shaken: Shaken, limits: DriveLimits) -> Blocks:
     """Return what speaks against each block of a part of a recording."""
     together = aligned(part)
+    least = limits.band_hz[0] / PASSED
+    if together.step * least > 1:
+        raise RecordError(
+            f"{1 / together.step:.3g} Hz is too slow for a drive: vibration is judged from "
+            f"{limits.band_hz[0]:g} Hz on, which needs {least:g} Hz"
+        )
     size = max(2, round(limits.block / together.step))
     count = together.timepts.size // size
     if not count:

@@ -30,7 +30,7 @@ from suspid.levels import likely
 from suspid.model import Suspension, output_weights
 from suspid.signals import PASSED, as_signal
 from suspid.units import Hertz, Second
-from suspid.words import Remark
+from suspid.words import Remark, count
 from suspid.words.drives import BodyCheck
 
 # Models: straight or bent roads, the damper's numerator as it follows or free, in bands that begin and end elsewhere.
@@ -137,9 +137,10 @@ def _mode(
 ) -> BodyMode:
     blocks = np.unique(spectra.blocks)
     if len(blocks) < FEWEST_PARTS:
+        parts = count(len(blocks), "part")
         raise RecordError(
-            f"{len(spectra.power)} windows of {PERIODOGRAM:g} s in {len(blocks)} parts of the drive are too few for "
-            f"intervals; {FEWEST_PARTS} parts of {PERIODOGRAM / 2 * 6:g} s are needed: record a longer drive"
+            f"{len(spectra.power)} windows of {PERIODOGRAM:g} s in {parts} of the drive are too few for intervals; "
+            f"{FEWEST_PARTS} parts of {PERIODOGRAM / 2 * 6:g} s are needed: record a longer drive"
         )
     mean, nothing = spectra.mean, float("nan")
     worth = WORTH * len(spectra.power) / LINE_WIDTH
