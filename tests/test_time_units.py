@@ -119,6 +119,34 @@ def test_a_unit_in_a_name_is_that_of_the_samples(tmp_path: Path) -> None:
     assert as_signal(found.record).channels == ("seat [m]", "wheel (m/s2)")
 
 
+class TestSeveralTimes:
+    """Of columns that are named like times, the one that ascends evenly is the time, and is named."""
+
+    NAMES = ("loggingTime", "gpsTimestamp_since1970(s)", "accTimestamp_sinceReboot(s)", "seat(m)")
+
+    def table(self, tmp_path: Path, names: tuple[str, ...]) -> Recording:
+        # The receiver has a position each second; the logger writes what is new now and then.
+        columns = (3 * np.floor(TIMES / 3) + 0.1, 1.5e9 + np.floor(TIMES), 213_307.5 + TIMES, SEAT)
+        rows = "".join(",".join(f"{x:.6f}" for x in row) + "\n" for row in zip(*columns, strict=True))
+        path = tmp_path / "a.csv"
+        path.write_text(",".join(names) + "\n" + rows)
+        return read_recording(path)
+
+    def test_words_joined_by_capitals_are_words(self, tmp_path: Path) -> None:
+        recording = self.table(tmp_path, self.NAMES)
+        said = {name: remark.code for name, remark in recording.left_out}
+        assert recording["seat(m)"].timepts == pytest.approx(213_307.5 + TIMES, abs=1e-9)
+        assert said[self.NAMES[2]] is LeftOut.TAKEN_AS_TIME
+        assert said[self.NAMES[1]] is LeftOut.LIKE_TIME
+
+    def test_so_are_names_that_say_no_more(self, tmp_path: Path) -> None:
+        recording = self.table(tmp_path, ("x", "timestamp", "time [s]", "seat"))
+        said = {name: remark.code for name, remark in recording.left_out}
+        assert recording["seat"].timepts == pytest.approx(213_307.5 + TIMES, abs=1e-9)
+        assert said["timestamp"] is LeftOut.LIKE_TIME
+        assert said["time [s]"] is LeftOut.TAKEN_AS_TIME
+
+
 class TestSinceADate:
     """Stamps since 1970 or another date are counted from the first one: messages and options can name them."""
 

@@ -53,6 +53,8 @@ TIME_WORDS |= {"zeit", "zeitpunkt", "temps", "tiempo", "tempo", "tijd", "czas", 
 TIME_WORDS |= {"время", "时间", "時間", "시간"}
 # Words of the names that plots and oscilloscopes give their first column, beside x.
 ABSCISSA = {"x", "axis", "value", "values", "data"}
+# Between words that are joined as in loggingTime and GPSTime.
+CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
 # The index of a data frame, as pandas reads it again.
@@ -147,9 +149,12 @@ def may_be_time(name: str) -> bool:
     --------
     >>> [may_be_time(name) for name in ("Run 1: Time (s)", "Time - Road (m)", "t_received", "timing belt")]
     [True, True, True, False]
+    >>> [may_be_time(name) for name in ("loggingTime", "gyroTimestamp_sinceReboot(s)", "GPSTime", "overtime")]
+    [True, True, True, False]
     """
     words = _words(name)
-    return bool(words & TIME_WORDS) or ("t" in words and bracketed_unit(name) in ("", *PER_SECOND))
+    parts = _words(CAMEL.sub(" ", bare_name(name)))
+    return bool((words | parts) & TIME_WORDS) or ("t" in words and bracketed_unit(name) in ("", *PER_SECOND))
 
 
 def is_abscissa(name: str, *, rate_known: bool = False) -> bool:

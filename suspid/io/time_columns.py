@@ -9,7 +9,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.names import counts_rows, is_abscissa, is_count, is_frequency, is_time, may_be_time
+from suspid.io.names import (
+    PER_SECOND,
+    bracketed_unit,
+    counts_rows,
+    is_abscissa,
+    is_count,
+    is_frequency,
+    is_time,
+    may_be_time,
+)
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import FEW_STAMPS, in_seconds
 from suspid.units import Hertz, RealArray
@@ -53,9 +62,26 @@ def time_column(
         pairs = _pairs(table, times)
         if pairs and fs is None:
             return None, pairs, {**dict.fromkeys(kept, Remark(LeftOut.GROUP_TIME)), **said}
+        stamps = {name: in_seconds(table, name, table.columns([name])[0]) for name in kept}
+        even = [name for name, its in stamps.items() if runs_as_clock(its) and np.all(np.diff(its[: filled(its)]) > 0)]
+        if len(even) == 1:
+            said |= {**dict.fromkeys(kept, Remark(LeftOut.LIKE_TIME)), even[0]: Remark(LeftOut.TAKEN_AS_TIME)}
+            return even[0], {}, said
         also = "" if fs is None else f", even beside {Argument('fs')}: it must agree"
         raise RecordError(f"{', '.join(map(repr, kept))} all read like a time; name one ({Argument('time')}){also}")
-    return (kept[0] if kept else None), {}, said
+    spare = {name: Remark(LeftOut.LIKE_TIME) for name in _spare(table, free) if name not in times}
+    if kept and spare and not is_time(kept[0]):
+        said[kept[0]] = Remark(LeftOut.TAKEN_AS_TIME)
+    return (kept[0] if kept else None), {}, {**said, **spare}
+
+
+def _spare(table: Table, free: Sequence[str]) -> list[str]:
+    """Return the columns that are named as times, in a unit of time, and never fall: those of slower sensors."""
+    named = [name for name in free if may_be_time(name) and bracketed_unit(name).lower() in PER_SECOND]
+    with contextlib.suppress(RecordError):
+        columns = zip(named, table.columns(named), strict=True)
+        return [name for name, numbers in columns if not np.any(np.diff(numbers[: filled(numbers)]) < 0)]
+    return []
 
 
 def _pairs(table: Table, times: Mapping[str, str]) -> dict[str, TimeBase]:

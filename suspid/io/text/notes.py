@@ -17,7 +17,7 @@ STEMS = [word.encode() for word in sorted(REMARKS) if not any(other in word for 
 
 
 # What the first cell of a row of numbers begins with.
-NUMERALS = b"0123456789+-."
+ROW_STARTS = b"0123456789+-."
 # What a word begins with.
 LETTERS = rb"A-Za-z_\x80-\xff"
 
@@ -63,7 +63,7 @@ def _mark(line: bytes) -> bytes:
 def _without_events(text: bytes, within: int) -> tuple[bytes, Mapping[str, Remark]]:
     """Return a text whose names are one more than the cells of its rows, without the words behind some of them."""
     lines = text[:within].split(b"\n")
-    rows = (k for k, line in enumerate(lines) if k and line.strip()[:1] and line.strip()[:1] in NUMERALS)
+    rows = (k for k, line in enumerate(lines) if k and line.strip()[:1] and line.strip()[:1] in ROW_STARTS)
     first = next(rows, 0)
     above = lines[first - 1] if first else b""
     mark = re.escape(_mark(above))
