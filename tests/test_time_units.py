@@ -119,6 +119,21 @@ def test_a_unit_in_a_name_is_that_of_the_samples(tmp_path: Path) -> None:
     assert as_signal(found.record).channels == ("seat [m]", "wheel (m/s2)")
 
 
+@pytest.mark.parametrize(("name", "step"), [("Time (ms)", 0.008), ("t_us", 0.01)])
+def test_a_name_that_makes_seconds_microseconds_is_doubted(tmp_path: Path, name: str, step: float) -> None:
+    stamps = [f"{step * k:.6g}" for k in range(400)]
+    recording = read_recording(write(tmp_path / "a.csv", name, stamps))
+    (said,) = dict(recording.left_out).values()
+    assert said.code is LeftOut.TOO_FINE
+    # What it says to type gives the time of the file in seconds.
+    assert f"fs={1 / step:g}" in str(said)
+
+
+@pytest.mark.parametrize("step", [0.05, 0.02, 5.0])
+def test_fast_loggers_are_not_doubted(tmp_path: Path, step: float) -> None:
+    assert not read_recording(write(tmp_path / "a.csv", "Time (ms)", [f"{step * k:.6g}" for k in range(400)])).left_out
+
+
 class TestSeveralTimes:
     """Of columns that are named like times, the one that ascends evenly is the time, and is named."""
 

@@ -18,6 +18,9 @@ EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
 # Usual step from which on stamps without a unit are in the next finer one [s]: as seconds, Nyquist's limit would be
 # 1 Hz, below the modes of any suspension on its road wheels.
 SLOWEST_STEP = 0.5
+# Below this step [s] in a record shorter than this [s], a stated unit is doubted: no logger of a car is so fast, and no
+# decay so short.
+FASTEST_STEP, SHORT_RECORD = 1.5e-5, 1.0
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
 # steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
@@ -78,6 +81,27 @@ def epoch_unit(stamps: RealArray) -> str:
     if any(low < size < high for low, high in DAYS) and np.ptp(sizes) < DAY_STEP * (sizes.size - 1):
         return "days"
     return next((name for name, least in EPOCHS if size > least), "s")
+
+
+def too_fine(unit: str, stamps: RealArray) -> Remark | None:
+    """Return what a stated unit of time makes of stamps that are likely seconds; None where it may be right.
+
+    Examples
+    --------
+    >>> rows = np.arange(9000.0)
+    >>> [too_fine(unit, step * rows) is not None for unit, step in (("ms", 0.008), ("ms", 1.0), ("s", 8e-6))]
+    [True, False, False]
+    """
+    known = np.sort(stamps[np.isfinite(stamps)])
+    if known.size < FEW_STAMPS or not PER_SECOND.get(unit, 0.0) > 1:
+        return None
+    length, step = float(known[-1] - known[0]), float(np.median(np.diff(known)))
+    stated = PER_SECOND[unit]
+    fast = 0 < step < FASTEST_STEP * stated and length < SHORT_RECORD * stated
+    if not fast or step > SLOWEST_STEP or length < SHORT_RECORD:
+        return None
+    rate = (known.size - 1) / length
+    return Remark(LeftOut.TOO_FINE, {"unit": unit, "step": step / stated, "length": length / stated, "rate": rate})
 
 
 def unit_remark(stamps: RealArray) -> Remark | None:

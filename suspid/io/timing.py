@@ -21,7 +21,7 @@ from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase
-from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, unit_remark
+from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, too_fine, unit_remark
 from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
@@ -77,6 +77,8 @@ def as_recording(
         if not time_unit(table, times[0]) and (said := unit_remark(columns[times[0]])):
             left_out[f"unit of {times[0]!r}"] = said
             stamps = stamps / PER_SECOND[str(said.numbers["unit"])] if said.code is LeftOut.FINER_UNIT else stamps
+        elif said := too_fine(time_unit(table, times[0]), columns[times[0]]):
+            left_out[f"unit of {times[0]!r}"] = said
         plan, outvoted = _outvoted(table, plan, stamps, fs)
         left_out |= outvoted
     elif followers:

@@ -127,6 +127,15 @@ class LeftOut(Code):
             )
         ),
     )
+    TOO_FINE = (
+        "too_fine",
+        sentence(
+            lambda n: (
+                f"is {n['unit']}: steps of {n['step']:.2g} s, {n['length']:.2g} s in all; are these seconds? "
+                f"then correct the unit in the file, or give {Argument('fs', format(n['rate'], '.6g'))}"
+            )
+        ),
+    )
     OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
     OUTVOTED = (
         "outvoted",
@@ -175,5 +184,6 @@ DAMAGE = frozenset(
         LeftOut.NO_END,
         LeftOut.WINDOWS_1252,
         LeftOut.FINER_UNIT,
+        LeftOut.TOO_FINE,
     }
 )
