@@ -347,6 +347,15 @@ class TestPlainHdf5:
         assert recording.names == ("x",)
         assert dict(recording.left_out)["g.again"].code is LeftOut.LOOP
 
+    def test_a_matrix_whose_shorter_axis_is_time_is_named(self, tmp_path: Path) -> None:
+        def fill(file: Any) -> None:
+            file["sample_times"] = LONG
+            file["sweeps"] = np.zeros((LONG.size, 1, 60))
+            file["note"] = "made by a radar"
+
+        with pytest.raises(RecordError, match="'sweeps' is 20 x 60, with time along the shorter axis"):
+            plain(tmp_path, fill)
+
     def test_a_size_that_nothing_fills_is_told(self, tmp_path: Path) -> None:
         def fill(file: Any) -> None:
             file["x"] = X

@@ -302,6 +302,11 @@ class TestExports:
         assert said["Events"] is LeftOut.TEXT
         assert said["Sample Number"] is LeftOut.ROW_COUNTER
 
+    def test_raw_can_frames_are_named(self, tmp_path: Path) -> None:
+        frames = "".join(f"(1631416514.{717133 + k}) can0 {0xD2 + k:03X}#0000FFFF1000{k:04X}\n" for k in range(30))
+        with pytest.raises(RecordError, match="is a log of raw CAN frames; .*dbc="):
+            read(tmp_path, frames)
+
     def test_a_name_too_many_is_no_column_of_events(self, tmp_path: Path) -> None:
         rows = "\n".join(f"{k / 100},{k % 7},{k % 3}" for k in range(60))
         with pytest.raises(RecordError, match="names 4 columns, but the rows have 3 cells"):

@@ -18,6 +18,7 @@ from nptdms import ChannelObject, TdmsWriter
 
 from suspid import SuspidError
 from suspid.errors import RecordError
+from suspid.io.read_recording import read_recording
 from suspid.io.tdms import read_tdms
 from suspid.words import LeftOut
 
@@ -176,6 +177,11 @@ class TestClocks:
 
     def test_there_may_be_none(self, tmp_path: Path) -> None:
         assert not read_tdms(put(tmp_path, [channel("g", "z", [1.0, 2], wf_increment=0.0)])).clocks
+
+    def test_dates_in_names_of_groups_are_not_cut(self, tmp_path: Path) -> None:
+        groups = ("07/09/2012 06:58:23 PM - all", "07/09/2012 06:58:23 PM - means")
+        parts = [channel(g, "z", RNG.standard_normal(9), wf_increment=0.5 * (k + 1)) for k, g in enumerate(groups)]
+        assert read_recording(put(tmp_path, parts)).tests == groups
 
 
 class TestLeftOut:

@@ -119,6 +119,7 @@ def _all_channels(
         others = [name for name in others if table.sizes[name] == table.sizes[time]]
         if not others and not clocks:
             why = "".join(f"; {name!r} {reason}" for name, reason in list(table.unusable.items())[:4])
+            why = _turned(table, table.sizes[time]) + why
             raise RecordError(f"no channel is as long as time, {time!r}: {table.sizes[time]} samples{why}")
     elif clocks and rate is None:
         others = []
@@ -126,6 +127,16 @@ def _all_channels(
         others = _of_one_length(table, others)
     chosen = {*clocks, *others}
     return [name for name in table.sizes if name in chosen]
+
+
+def _turned(table: Table, size: int) -> str:
+    """Return a hint at matrices with as many columns as time has stamps: their shorter axis is time."""
+    columns = Counter(name.rpartition("[")[0] for name in table.sizes if name.endswith("]"))
+    longs = {name: table.sizes.get(f"{name}[1]", 0) for name, often in columns.items() if often == size}
+    return "".join(
+        f"; {name!r} is {size} x {long}, with time along the shorter axis: save a vector for each channel"
+        for name, long in longs.items()
+    )
 
 
 def _of_one_length(table: Table, names: list[str]) -> list[str]:

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 
 from suspid.io.names import bare_name, plain
 
-# Between the parts of a name, such as those of a structure, of a group, or of a run of Logger Pro.
-SEPARATORS = re.compile(r"[.:/|]\s*")
+# Between the parts of a name, such as those of a structure, of a group, or of a run of Logger Pro. Between digits they
+# are part of a date, a time of day or a number.
+SEPARATORS = re.compile(r"(?:(?<!\d)[.:/|]|[.:/|](?!\d))\s*")
 # Names that number tests; channels of such groups may share a clock.
 NUMBERED = re.compile(
     r"(?:run|test|trial|take|shot|data ?set|lauf|versuch|messung|essai|mesure|prueba|ensayo|prova)[\W_]*\d+\]?"
@@ -33,6 +34,8 @@ def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
     ({}, 'Run 2')
     >>> runs_of({"Angle (rad) Run #1": 1, "Angle (rad) Run #2": 1})
     {'Angle (rad) Run #1': 'Run #1', 'Angle (rad) Run #2': 'Run #2'}
+    >>> list(runs_of({"9/7/2012 6:58:23 PM - all/Dev1": 1, "9/7/2012 6:58:23 PM - means/Dev1": 2}).values())
+    ['9/7/2012 6:58:23 PM - all', '9/7/2012 6:58:23 PM - means']
     """
     parts = _without_common({name: _parts(name) for name in clocks})
     groups: dict[str, dict[str, str]] = {}

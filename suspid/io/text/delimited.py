@@ -18,6 +18,7 @@ from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
 from suspid.values import listed
+from suspid.wording import Argument
 from suspid.words import LeftOut, Remark
 
 # Columns of these names say which channel a row is of.
@@ -34,6 +35,8 @@ LABELS = {
     "id",
     "name",
 }
+# A frame as candump writes it: a time, the bus, the identifier and the bytes.
+FRAME = re.compile(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-F]{3,8}#", re.I)
 # The beginning in which header and layout are looked for. A larger one costs time, a smaller one misses long headers.
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 
@@ -55,6 +58,7 @@ def read_delimited(path: Path) -> Table:
     try:
         layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])
     except RecordError:
+        _refuse_frames(top)
         _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1)
         raise
     body = text[sum(len(line) + 1 for line in head[: layout.first]) :]
@@ -76,6 +80,16 @@ def read_delimited(path: Path) -> Table:
         units=layout.units,
         clocks={} if clock is None else dict.fromkeys(numeric, clock),
     )
+
+
+def _refuse_frames(top: Sequence[str]) -> None:
+    """Refuse a log of CAN frames, by its first lines."""
+    lines = [line for line in top[:20] if line.strip()]
+    if lines and all(FRAME.match(line) for line in lines):
+        raise RecordError(
+            "is a log of raw CAN frames; decode them into a table of signals, or save them as MDF and give ",
+            Argument("dbc", "…"),
+        ) from None
 
 
 def _refuse_long_line(text: bytes, start: int, number: int) -> None:
