@@ -135,6 +135,23 @@ class TestOrder:
 
 
 class TestChannels:
+    @pytest.mark.parametrize("lost", [False, True])
+    def test_spikes_beside_steps_of_the_converter_are_no_dropouts(self, *, lost: bool) -> None:
+        # Printed to 1e-6, its steps of 0.0031165 differ in the last digit; a filter adds values between some of them.
+        rng, quantum = np.random.default_rng(0), 0.0031165
+        times = np.arange(20_000) / 5000
+        motion = 0.6 * np.sin(9 * times) + quantum * rng.standard_normal(times.size).repeat(5)[: times.size]
+        values = quantum * np.round(motion / quantum)
+        spikes = rng.random(times.size) < 0.05
+        values[spikes] += 4 * quantum
+        between = rng.random(times.size) < 0.05
+        values[between] += quantum * rng.random(np.sum(between))
+        if lost:
+            values[9000:9040] = 0.0
+            assert abs(values[8990]) > 50 * quantum
+        kinds = [finding.kind for finding in inspect("z", times, np.round(values, 6)).findings]
+        assert (Defect.DROPOUT in kinds) == lost
+
     @pytest.mark.parametrize(("count", "dropout"), [(3, False), (4, True)])
     def test_four_zeros_between_jumps_are_a_dropout(self, count: int, dropout: bool) -> None:
         values = 3.0 * np.sin(0.02 * K) + 0.01 * np.random.default_rng(1).standard_normal(400)

@@ -19,6 +19,9 @@ MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
 FULL_SCALE = tuple(
     float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
 )
+# Share of the steps that are the commonest one, and of those up to ten times as large that are multiples of it, from
+# which on it is the step of the converter. Of steps of any size a tenth are multiples by chance.
+COMMONEST, MULTIPLES = 0.1, 0.75
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
@@ -149,7 +152,7 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     starts, stops = np.concatenate([[0], change]), np.concatenate([change, [samples.size]])
     lengths = stops - starts
     steps = np.abs(np.diff(samples))
-    quantum = float(np.min(steps[steps > 0]))
+    quantum = _converter_step(steps[steps > 0])
     usual = lengths[1:-1]
     if usual.size and np.median(usual) >= 2 and np.mean(usual == np.median(usual)) > 0.9:
         numbers: dict[str, Number] = {"repeats": float(np.median(usual))}
@@ -180,6 +183,24 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     cleared = values.copy()
     cleared[where] = np.nan
     return cleared, [found(Defect.DROPOUT, times[where], where.size, numbers, channel=name)]
+
+
+def _converter_step(steps: RealArray) -> float:
+    """Return the step of the converter, of steps between samples, none of them 0.
+
+    It is the smallest one, but for printed numbers whose last digit is finer than the converter, and for filters that
+    add values between its steps: then most steps are multiples of the commonest.
+    """
+    least = float(np.min(steps))
+    digits = 10.0 ** (np.floor(np.log10(steps)) - 2)
+    sizes, counts = np.unique(np.round(steps / digits) * digits, return_counts=True)
+    often = float(sizes[np.argmax(counts)])
+    near = np.abs(steps - often) <= 0.01 * often
+    if not least < 0.5 * often or np.mean(near) < COMMONEST:
+        return least
+    often = float(np.median(steps[near]))
+    ticks = steps[(steps > 0.5 * often) & (steps < 10.5 * often)] / often
+    return often if np.mean(np.abs(ticks - np.round(ticks)) < 0.05) > MULTIPLES else least
 
 
 def _pace(samples: RealArray, start: int, stop: int) -> float:
