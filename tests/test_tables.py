@@ -302,6 +302,12 @@ class TestExports:
         assert said["Events"] is LeftOut.TEXT
         assert said["Sample Number"] is LeftOut.ROW_COUNTER
 
+    def test_a_number_in_the_first_row_alone_is_no_channel(self, tmp_path: Path) -> None:
+        rows = "".join(f"{k / 500},{k % 7},{'500' if not k else ''},{k % 3}\n" for k in range(40))
+        recording = read(tmp_path, "t,seat,fs,tire\n" + rows)
+        assert recording.names == ("seat", "tire")
+        assert dict(recording.left_out)["fs"].code is LeftOut.NUMBER
+
     def test_raw_can_frames_are_named(self, tmp_path: Path) -> None:
         frames = "".join(f"(1631416514.{717133 + k}) can0 {0xD2 + k:03X}#0000FFFF1000{k:04X}\n" for k in range(30))
         with pytest.raises(RecordError, match="is a log of raw CAN frames; .*dbc="):

@@ -67,6 +67,7 @@ def as_recording(
     left_out = {**table.unusable, **plan.left_out}
     counters = [] if channels else _counters(plan, columns)
     norms = {} if channels else {**_magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
+    norms |= {} if channels else _single_numbers(plan, columns)
     left_out |= {**dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER)), **norms}
     for name, other in table.rates.items():
         if fs is not None and not abs(fs - other) <= SEVEN_DIGITS * other:
@@ -158,6 +159,13 @@ def _magnitudes(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str,
         if apart <= 5e-3 * float(np.nanmax(values)):
             found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
     return found
+
+
+def _single_numbers(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
+    """Return the columns that hold a number in their first row alone, as some write a rate beside the samples."""
+    some = {name: columns[name] for name in plan.channels if columns[name].size >= FEW_STAMPS}
+    single = [name for name, values in some.items() if np.isfinite(values[0]) and not np.any(np.isfinite(values[1:]))]
+    return dict.fromkeys(single, Remark(LeftOut.NUMBER)) if len(single) < len(plan.channels) else {}
 
 
 def _outvoted(
