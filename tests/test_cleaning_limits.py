@@ -145,7 +145,7 @@ class TestChannels:
         spikes = rng.random(times.size) < 0.05
         values[spikes] += 4 * quantum
         between = rng.random(times.size) < 0.05
-        values[between] += quantum * rng.random(np.sum(between))
+        values[between] += quantum * rng.random(int(np.sum(between)))
         if lost:
             values[9000:9040] = 0.0
             assert abs(values[8990]) > 50 * quantum

@@ -190,7 +190,12 @@ class TestWhatAChannelSaysOfItself:
 
     def test_the_table_reads_a_clock_that_all_share_once(self, monkeypatch: pytest.MonkeyPatch) -> None:
         seen: list[RealArray] = []
-        monkeypatch.setattr("suspid.recordings.rate_and_gaps", lambda stamps: seen.append(stamps) or (4.0, 0))
+
+        def read(stamps: RealArray) -> tuple[float, int]:
+            seen.append(stamps)
+            return 4.0, 0
+
+        monkeypatch.setattr("suspid.recordings.rate_and_gaps", read)
         one, values = np.arange(9) / 4, np.zeros(9)
         raw = [RawChannel(name=name, unit="", timepts=one, values=values, rate=None) for name in "abc"]
         str(Recording(title="", channels=(*raw, dataclasses.replace(raw[0], name="d", timepts=one + 1))))

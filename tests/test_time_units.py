@@ -195,7 +195,7 @@ class TestSinceADate:
         # Seconds of the week, as of GPS: six digits would not tell its times apart.
         rows = np.arange(4000)
         rows = rows[(rows < 1700) | (rows > 2100)]
-        stamps = 604_000.25 + STEP * rows
+        stamps = np.asarray(604_000.25 + STEP * rows, float)
         raw = RawChannel(name="seat", unit="m", timepts=stamps, values=np.sin(20 * stamps), rate=None)
         with pytest.raises(
             RecordError, match=r"start=604000\.25, stop=604008\.745|start=604010\.755, stop=604020\.245"
