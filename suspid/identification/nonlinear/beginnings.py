@@ -44,7 +44,8 @@ def begun(record: Record, start: DrivenFit, order: int, kind: ForceKind, *, high
     count = int(BEGINNING * record.values.shape[1])
     short = replace(record, values=record.values[:, :count])
     linear = maximize(short.values, _cut(without_forces(start.drive), count), record.noise, steps=ROUGH_STEPS)
-    if linear is None:
+    # A fit to few samples may put a pole beyond the Nyquist frequency, whose motion would take minutes.
+    if linear is None or np.max(np.abs(linear.drive.theta)) > np.pi:
         return whole
     first = fitted(structure_of(short, linear.drive.theta, linear.amplitudes, forces, order), steps=FIRST)
     again = fitted(first.with_record(record), steps=FIRST)
