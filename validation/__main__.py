@@ -26,6 +26,7 @@ REPORTS = (
     "free_decay",
     "decays",
     "rigs",
+    "pushed",
     "fleet",
     "fuzz",
     "greybox",

@@ -128,13 +128,16 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
     chosen = recording.among(moving)
     part = chosen.signal
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
-    alone = alone or 2 * (last - first) > signal.values.shape[1]
+    fills = alone or 2 * (last - first) > signal.values.shape[1]
     clipped = chosen.clipped
     start, doubt = Start(begin=first, trial=None), None
     if moving.size:
-        least = quiet_variance(chosen.means(size), size=size, length=last - first, finest=chosen.finest)
+        # What drove the motion is no noise of a decay that is alone.
+        least = chosen.finest**2 / size
+        if not alone:
+            least = quiet_variance(chosen.means(size), size=size, length=last - first, finest=chosen.finest)
         if moved:
-            finest, latest = chosen.finest, LATEST_ALONE if alone else LATEST_START
+            finest, latest = chosen.finest, LATEST_ALONE if fills else LATEST_START
             start = find_start(part, least, burst, first, last, size, clipped, finest, latest=latest)
             start, doubt = _verified(part, start, last, size)
             start = replace(start, begin=start.begin + at_rest_until(part.values[:, start.begin : last], finest))
@@ -142,7 +145,7 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
             rest = part.values[:, start.begin : last]
             whole = tried(rest, step=signal.step, size=size, least=least, most=FINAL_BLOCKS)
             start = replace(start, trial=whole or start.trial)
-    refusal = _refusal(recording, start, alone=alone)
+    refusal = _refusal(recording, start, alone=fills)
     if start.trial is None or refusal is not None:
         if moved and moving.size:
             held = at_rest_until(part.values[:, first:last], recording.finest[moving])
@@ -154,9 +157,12 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
         return (), (Remark(code, {"time": burst.onset, "level": burst.level, **numbers}),)
     if not moved and fits(start.trial):
         _, doubt = verified(part, start.trial, start.begin, last, size, moved=False)
+    background = (
+        () if alone else doubts_of_background(chosen.means(size), start.trial, size=size, length=last - start.begin)
+    )
     doubts = (
         *doubts_of(part, start.trial, burst, _cycles(start.trial), start.begin, clipped[start.begin : last]),
-        *doubts_of_background(chosen.means(size), start.trial, size=size, length=last - start.begin),
+        *background,
         *([doubt] if doubt is not None else []),
     )
     kind = kind_of(part, start.trial, first, start.begin) if moved else None

@@ -16,6 +16,7 @@ from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.decays.fading import decay_of_fading
+from suspid.decays.releases import releases
 from suspid.decays.tails import free_end
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
@@ -132,8 +133,13 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))
     out = [_in_company(decay, decays, refused) for decay in decays]
     # What drives the motion makes events that are no decays; it says nothing of the end, where it is gone.
-    ends = _at_end(recording) if all(_gravely_doubted(decay) for decay in out) else []
-    return [*ends, *out], remarks
+    if all(decay.doubts for decay in out):
+        likely = [decay for decay in out if not _gravely_doubted(decay)]
+        let_go = [decay for decay in _let_go(recording) if not _overlaps(decay, likely)]
+        ends = _at_end(recording) if not likely and not let_go else []
+        # Of the same motion, one decay is enough.
+        out = [*let_go, *ends, *(decay for decay in out if not _overlaps(decay, let_go))]
+    return out, remarks
 
 
 def _gravely_doubted(decay: Decay) -> bool:
@@ -149,6 +155,23 @@ def _at_end(recording: Recording) -> list[Decay]:
     first, last = (signal.start + signal.step * sample for sample in (free[0], free[1] - 1))
     decays, _ = examined(recording, _given(signal, recording.bands, first, last), moved=True, alone=True)
     return [decay for decay in decays if not _gravely_doubted(decay)]
+
+
+def _overlaps(decay: Decay, others: Sequence[Decay]) -> bool:
+    return any(other.start < decay.stop and decay.start < other.stop for other in others)
+
+
+def _let_go(recording: Recording) -> list[Decay]:
+    """Return the decays after pushes that are beyond grave doubt; all are doubted where most pushes have none."""
+    signal = recording.signal
+    found, looked = releases(signal, recording.finest)
+    decays = []
+    for sample, after in found:
+        first, last = (signal.start + signal.step * place for place in (sample, after - 1))
+        here, _ = examined(recording, _given(signal, recording.bands, first, last), moved=False, alone=True)
+        decays += [decay for decay in here if not _gravely_doubted(decay)]
+    company = doubts_of_company(looked - len(decays), looked)
+    return [replace(decay, doubts=(*decay.doubts, *company)) for decay in decays]
 
 
 def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Burst]) -> Decay:

@@ -53,6 +53,22 @@ def free_end(signal: Signal, finest: RealArray) -> tuple[int, int] | None:
     (True, 1200)
     """
     last = at_rest_from(signal.values, finest)
+    count = int(np.log(LONGEST_END / SHORTEST_END) / np.log(LONGER))
+    places = [last - round(SHORTEST_END * LONGER**n * last) for n in range(count + 1)]
+    begin = free_since(signal, finest, places, last)
+    return None if begin is None else (begin, last)
+
+
+def free_since(
+    signal: Signal, finest: RealArray, places: Sequence[int], last: int, *, reach: int = 0, patience: int | None = None
+) -> int | None:
+    """Return the first sample from which a record is a free decay until the last one, which is excluded.
+
+    Of starts that are ever earlier, those are free from which damped exponentials explain the motion down to noise,
+    with no more poles than from the next later one, and from all others at most ``reach`` samples later: poles that
+    follow the end of a force are gone then. None where no two of them are in a row. Earlier starts than those are not
+    tried after as many as ``patience`` that are not free, and none where not one of a few is.
+    """
 
     @cache
     def at(first: int) -> Trial | None:
@@ -68,16 +84,25 @@ def free_end(signal: Signal, finest: RealArray) -> tuple[int, int] | None:
             return None
         return trial if refused(trial) is None and fits(trial) else None
 
-    count = int(np.log(LONGEST_END / SHORTEST_END) / np.log(LONGER))
-    places = [last - round(SHORTEST_END * LONGER**n * last) for n in range(count + 1)]
-    free = _longest_run([at(place) is not None for place in places])
+    if patience is not None and all(at(place) is None for place in places[:: max(1, patience // 2)]):
+        return None
+    frees = list[bool]()
+    for place in places:
+        frees.append(at(place) is not None)
+        enough = len(_longest_run(frees)) >= IN_A_ROW
+        if patience is not None and enough and not any(frees[-patience:]):
+            break
+    free = _longest_run(frees)
     # A pole that only the longest end needs follows the force before it.
-    while len(free) > 1 and _poles(at(places[free[-1]])) > _poles(at(places[free[-2]])):
+    while len(free) > 1:
+        later = [k for k in free[:-1] if places[k] <= places[free[-1]] + reach] or [free[-2]]
+        if _poles(at(places[free[-1]])) <= min(_poles(at(places[k])) for k in later):
+            break
         free = free[:-1]
     if len(free) < IN_A_ROW:
         return None
     before = free[-1] + 1
-    return _earliest(at, places[before] if before < len(places) else 0, places[free[-1]]), last
+    return _earliest(at, places[before] if before < len(places) else 0, places[free[-1]])
 
 
 def _longest_run(free: Sequence[bool]) -> range:

@@ -1,0 +1,76 @@
+"""Cars that are pushed and let go again and again: the simulator, by laws, and what is found in its files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from suspid import analyse, find_decays
+from suspid.decays.envelopes import finest
+from suspid.decays.releases import releases
+from suspid.records import as_response
+from suspid.signals import as_signal
+from validation import pushed
+
+
+class TestSimulator:
+    def test_it_moves_as_an_integrator_says(self) -> None:
+        car, step = pushed.random_car(np.random.default_rng(1)), 1 / 400
+        force = np.zeros(800)
+        force[40:200] = -300.0
+        column = np.zeros(8)
+        column[4:] = np.linalg.solve(car.mass, np.array([*car.ends[1], 0, 0]))
+
+        def slope(time: float, state: np.ndarray) -> np.ndarray:
+            return np.asarray(car.state @ state + column * (-300.0 if 0.1 <= time < 0.5 else 0.0))
+
+        exact = solve_ivp(slope, (0, 799 * step), np.zeros(8), t_eval=np.arange(800) * step, max_step=step / 2)
+        moved = pushed.moved(car, force, 1, step)
+        np.testing.assert_allclose(moved[:2], exact.y[:2], atol=2e-3 * np.max(np.abs(moved[:2])))
+
+    def test_a_car_that_is_let_go_decays_with_its_poles(self) -> None:
+        record = pushed.pushed(3)
+        assert np.all(record.poles.real < 0)
+        assert len(record.releases) == len(record.pushes)
+        assert all(push < release for push, release in zip(record.pushes, record.releases, strict=True))
+
+
+class TestReleases:
+    @pytest.mark.parametrize("seed", [5, 9, 16])
+    def test_each_is_found_where_the_hands_leave(self, seed: int) -> None:
+        record = pushed.pushed(seed)
+        signal = as_signal(as_response(record.time, record.values, list(record.names)))
+        found, looked = releases(signal, finest(signal.values))
+        starts = signal.start + signal.step * np.array([first for first, _ in found])
+        # A period of the body is 0.6 to 1 s.
+        late = np.min(np.abs(starts[:, None] - np.array(record.releases)), axis=1)
+        assert len(found) >= 0.5 * looked
+        assert np.median(late) < 0.2
+
+    def test_a_steady_shake_has_none(self) -> None:
+        time = np.arange(3000) / 100
+        values = np.sin(8 * time) + 0.02 * np.random.default_rng(1).standard_normal((1, 3000))
+        assert releases(as_signal(as_response(time, values, ["z"])), np.zeros(1)) == ([], 0)
+
+    def test_noise_in_bursts_has_none(self) -> None:
+        time = np.arange(4000) / 100
+        loud = 1 + 20 * (np.sin(0.8 * time) > 0)
+        values = loud * np.random.default_rng(2).standard_normal((2, 4000))
+        assert releases(as_signal(as_response(time, values, ["y", "z"])), np.zeros(2))[0] == []
+
+
+@pytest.mark.parametrize("seed", [2, 5, 9])
+def test_the_first_command_finds_the_body(seed: int, tmp_path: Path) -> None:
+    record = pushed.pushed(seed)
+    pushed.write(record, tmp_path / "pushed.csv")
+    found = pushed.judged(record, analyse(tmp_path / "pushed.csv"))
+    assert found.free
+    assert found.body
+    assert not found.other
+
+
+def test_releases_that_agree_are_several_decays() -> None:
+    record = pushed.pushed(5)
+    decays = find_decays(as_response(record.time, record.values, list(record.names)))
+    assert sum(not decay.doubts for decay in decays) >= 2
