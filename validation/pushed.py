@@ -113,12 +113,12 @@ def pushed(seed: int) -> Pushed:
     """Return a random record."""
     rng = np.random.default_rng(seed)
     car = random_car(rng)
-    poles = np.linalg.eigvals(car.state)
+    poles = np.linalg.eigvals(car.state).astype(complex)
     poles = poles[poles.imag > 0]
     poles = poles[np.argsort(np.abs(poles))]
     rate, end = float(rng.choice([50, 100, 200, 400])), int(rng.integers(2))
     step = 1 / (FINE * rate)
-    time = np.arange(int(rng.uniform(15, 40) / step)) * step
+    time = np.asarray(np.arange(int(rng.uniform(15, 40) / step)) * step, float)
     force, releases, pushes = hands(rng, float(poles[end].imag) / (2 * np.pi), time)
     state = moved(car, force, end, step)
     acting = np.outer(np.linalg.solve(car.mass, np.array([*car.ends[end], 0, 0])), force)
@@ -216,9 +216,9 @@ def report(*, seeds: int = 100) -> str:
             [
                 "# Cars pushed at a corner and let go",
                 f"{seeds} random half cars, seeds {FIRST_SEED} and on, `analyse` of the file without any setting. One "
-                f"to six pushes in time with the bounce, then 2 to 5 s without hands, again and again for 15 to 40 s; 1 to 3 "
-                f"channels at 50 to 400 Hz. Body modes at 0.9 to 1.8 Hz, mostly within 30 % of each other, zeta 0.1 to "
-                f"0.45.",
+                f"to six pushes in time with the bounce, then 2 to 5 s without hands, again and again for 15 to 40 s; "
+                f"1 to 3 channels at 50 to 400 Hz. Body modes at 0.9 to 1.8 Hz, mostly within 30 % of each other, "
+                f"zeta 0.1 to 0.45.",
                 tabulate(rows, headers=["record", "share"], tablefmt="github", disable_numparse=True),
             ]
         )

@@ -106,7 +106,8 @@ def _period(scaled: RealArray) -> int:
     power = np.sum(np.abs(np.fft.rfft(scaled * np.hanning(count), axis=1)) ** 2, axis=0)
     # What makes fewer cycles is drift.
     power[:3] = 0.0
-    return max(4, round(count / max(int(np.argmax(power)), 1)))
+    strongest = max(int(np.argmax(power)), 1)
+    return int(max(4, round(count / strongest)))
 
 
 def _valleys(scaled: RealArray, period: int) -> Iterator[Valley]:
