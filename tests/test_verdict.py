@@ -156,6 +156,26 @@ class TestStructure:
         assert bool(checks) is coloured
         assert all(check.remark.numbers["channel"] == "chassis" for check in checks)
 
+    @pytest.mark.parametrize("much", [False, True])
+    def test_colour_of_what_is_much_of_a_channel(self, found: Identification, much: bool) -> None:
+        # An autoregression of 0.4 may be a sensor's filter where it is noise, and is other motion where it is much.
+        noise, left = np.random.default_rng(3).standard_normal(2000), np.zeros(2000)
+        for k in range(1, 2000):
+            left[k] = 0.4 * left[k - 1] + noise[k]
+        signal = as_signal(found.residual)
+        values, response = np.array(signal.values), as_signal(found.response).values
+        values[1] = left * np.std(response[1]) / np.std(left) * (0.5 if much else 0.01)
+        verdict = verdict_of(replace(found, residual=as_response(signal.timepts, values, signal.channels)))
+        assert bool(said(verdict, ModeCheck.RESIDUAL_COLOURED)) is much
+
+    @pytest.mark.parametrize("multiple", [1, 2, 3])
+    def test_what_a_fit_leaves_of_its_mode_is_no_line(self, found: Identification, multiple: int) -> None:
+        hertz = multiple * float(found.modes.poles[0].imag) / (2 * np.pi)
+        hum = np.sin(2 * np.pi * hertz * STEP * np.arange(2000)) + 0.1 * np.random.default_rng(3).standard_normal(2000)
+        assert said(self.with_residual(found, hum), ModeCheck.RESIDUAL_LINE)
+        loud = replace(found, loudness=np.full(len(found.modes), 9.0))
+        assert not said(self.with_residual(loud, hum), ModeCheck.RESIDUAL_LINE)
+
     def test_a_line(self, found: Identification) -> None:
         noise = np.random.default_rng(3).standard_normal(2000)
         hum = 0.5 * np.sin(2 * np.pi * 31.0 * STEP * np.arange(2000))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.identification.fitting import OTHER_FREQUENCY
-from suspid.identification.harmonics import multiple_of
+from suspid.identification.harmonics import HIGHEST, multiple_of
 from suspid.identification.nonlinear import MULTIPLE
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
@@ -85,7 +85,7 @@ def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Co
         times = abs(theta.imag) / step / max(modes.poles[mode - 1].imag, 1e-300)
         if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
             remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
-        elif multiple > 1 and abs(times / multiple - 1) < MULTIPLE:
+        elif 1 < multiple <= HIGHEST and abs(times / multiple - 1) < MULTIPLE:
             remark = Remark(Reason.HARMONIC, {"mode": mode, "multiple": multiple})
         else:
             remark = Remark(Reason.DISTORTION)

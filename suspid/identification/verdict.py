@@ -27,7 +27,7 @@ from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.units import Ratio
+from suspid.units import Hertz, Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
@@ -38,6 +38,11 @@ if TYPE_CHECKING:
 SAMPLES_EACH = 8
 # Power near a mode over white noise: what is below widens an interval by less than 3 %.
 NOTICEABLE = 1.05
+# Correlations of the residual over one sample that are not those of white noise: a sensor's filter leaves less than the
+# first number. The second holds in channels of which less than the third share is explained.
+FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
+# A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
+NEAR_A_MODE, HARMONICS_LEFT = 0.03, 3
 
 
 def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
@@ -192,14 +197,23 @@ def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
     size = np.sqrt(np.mean(residual.values**2, axis=1))
     rough = size > ABOVE_RESOLUTION * resolution(as_signal(held(found, "response")).values)
     lag = np.where(rough, found.whiteness, 0.0)
-    worst = int(np.argmax(np.abs(lag)))
-    # A larger correlation over one sample is not that of white noise; a sensor's filter leaves less.
-    if abs(lag[worst]) > 0.5:
+    # A sensor's filter correlates samples. Where it leaves much of a channel, other motion does.
+    most = np.where(found.explained < WELL_EXPLAINED, OTHER_MOTION, FILTERED)
+    worst = int(np.argmax(np.abs(lag) / most))
+    if abs(lag[worst]) > most[worst]:
         where: dict[str, Number] = {"correlation": float(lag[worst]), "channel": residual.channels[worst]}
         yield check_of(ModeCheck.RESIDUAL_COLOURED, Level.CARE, where)
     line = clear_line(residual.values[rough], residual.step) if np.any(rough) else None
-    if line is not None:
+    if line is not None and not _left_by_a_mode(found, line):
         yield check_of(ModeCheck.RESIDUAL_LINE, Level.CARE, {"hertz": line})
+
+
+def _left_by_a_mode(found: Identification, line: Hertz) -> bool:
+    """Return whether a line is at a mode near which the residual is loud, or at a multiple: what its fit leaves."""
+    loud = found.modes.poles[found.loudness > 1].imag / (2 * np.pi)
+    multiples = np.outer(loud[loud > 0], np.arange(1, HARMONICS_LEFT + 1))
+    resolution_hz = 1 / as_signal(held(found, "residual")).duration
+    return bool(np.any(np.abs(multiples - line) < np.maximum(NEAR_A_MODE * multiples, 3 * resolution_hz)))
 
 
 def _steady_tones(found: Identification) -> Iterator[Check]:
