@@ -106,6 +106,24 @@ class TestImpossibleSamples:
         # A cubic over a gap of 10 ms in 3 Hz errs by noise: five of its standard deviations.
         assert np.max(np.abs(cleaned.record.y[0] - clean_values)) < 5 * 1.4e-3
 
+    def test_the_wraps_of_a_counter_in_a_speed_that_is_computed_from_it(self) -> None:
+        angle = 3.0 * np.sin(2 * np.pi * 0.7 * T) * np.exp(-0.05 * T)
+        wrapped = (angle + 1.0) % 2.0 - 1.0
+        speed, true = np.diff(1e4 * wrapped) + 0.01, np.diff(1e4 * angle) + 0.01
+        wraps = np.flatnonzero(np.abs(np.diff(wrapped)) > 1)
+        # The unit of the encoder makes each wrap a thousand times what it turns by in a sample.
+        speed[wraps] *= 100
+        cleaned = clean(recording(T[1:], speed))
+        assert kinds(cleaned) == ["spikes", "missing"]
+        assert [finding.samples for finding in cleaned.findings] == [len(wraps)] * 2
+        np.testing.assert_allclose(cleaned.record.y[0], true, atol=1e-3 * np.max(np.abs(true)))
+
+    def test_a_blow_that_rings_is_no_spike(self) -> None:
+        values = 1e-3 * np.random.default_rng(1).standard_normal(T.size)
+        for first in (300, 800, 1300, 1700):
+            values[first : first + 100] += 50 * (-0.6) ** np.arange(100)
+        assert Defect.SPIKES not in {finding.kind for finding in inspect("body", T, values).findings}
+
     def test_zeros_in_a_signal_that_stays_far_from_zero(self) -> None:
         values = 9.81 + 0.1 * decay(T, noise=1e-2)
         values[800:803] = 0.0

@@ -22,6 +22,9 @@ FULL_SCALE = tuple(
 # Share of the steps that are the commonest one, and of those up to ten times as large that are multiples of it, from
 # which on it is the step of the converter. Of steps of any size a tenth are multiples by chance.
 COMMONEST, MULTIPLES = 0.1, 0.75
+# Single samples that lie this many times as far from the median as this share of all, while their neighbours are within
+# the second number: spikes, if there are as many. Fewer may be blows; a lower factor takes blows that are sampled once.
+SPIKE_OVER, BESIDE_SPIKE, WITHIN, FEWEST_SPIKES = 1000.0, 30.0, 0.95, 3
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
@@ -72,6 +75,8 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
         findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": LARGEST_SIZE}, channel=name))
     repaired, sentinels = without_sentinels(name, times, whole)
     findings += sentinels
+    repaired, spikes = _without_spikes(name, times, repaired)
+    findings += spikes
     if np.sum(~np.isnan(repaired)) >= 8:
         findings += clipping(name, *_known(times, repaired))
         repaired, dropouts = _without_dropouts(name, times, repaired)
@@ -134,6 +139,30 @@ def _sentinel(some: RealArray) -> float | None:
         if (marked or alone) and count < 0.5 * some.size and _levels(others) >= 3:
             return limit
     return None
+
+
+def _without_spikes(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
+    """Return the samples with NaN for single ones that no motion reaches, and the finding that names them.
+
+    A counter that wraps round leaves them in the speed that is computed from it. Both neighbours of each lie among the
+    others: the first sample of a blow is followed by more.
+    """
+    about = np.abs(values - np.nanmedian(values)) if np.any(np.isfinite(values)) else np.zeros(len(values))
+    within = float(np.nanquantile(about, WITHIN)) if about.size else 0.0
+    far = np.nan_to_num(about) > SPIKE_OVER * within
+    if not within or np.sum(far) < FEWEST_SPIKES:
+        return values, []
+    beside = np.zeros(len(values), bool)
+    near = np.nan_to_num(about) > BESIDE_SPIKE * within
+    beside[1:] |= near[:-1]
+    beside[:-1] |= near[1:]
+    at = np.flatnonzero(far & ~beside)
+    if at.size < FEWEST_SPIKES or at.size < np.sum(far):
+        return values, []
+    numbers: dict[str, Number] = {"least": float(np.min(np.abs(values[at]))), "within": within, "share": 100 * WITHIN}
+    spiked = values.copy()
+    spiked[at] = np.nan
+    return spiked, [found(Defect.SPIKES, times[at], at.size, numbers, channel=name)]
 
 
 def _levels(samples: RealArray) -> int:

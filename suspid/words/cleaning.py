@@ -256,6 +256,11 @@ class Defect(Code):
         ),
     )
     SENTINEL = "sentinel", _sentinel
+    SPIKES = (
+        "spikes",
+        "{samples} single samples beyond {least:.4g}, while {share:g} % of all are within {within:.4g}; treated "
+        "as missing",
+    )
     DROPOUT = "dropout", _dropout
     MISSING = "missing", _missing
     CLIPPED = "clipped", _clipped
