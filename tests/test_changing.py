@@ -46,3 +46,16 @@ def test_a_tone_beside_a_small_decay_stays_a_tone() -> None:
     tone = np.cos(WN * TIME) + 0.1 * np.exp(-0.3 * TIME) * np.cos(0.99 * WN * TIME)
     record = as_response(TIME, tone[None] + 0.01 * np.random.default_rng(2).standard_normal((1, TIME.size)), ["y"])
     assert not len(identify(record, band_hz=(0.1, 19.0)).modes)
+
+
+def test_the_value_of_a_mode_is_the_mean_of_its_table() -> None:
+    # A swing whose damping falls with its size, beside two linear modes in other directions: forces are found.
+    size = 0.6 + 0.4 * np.exp(-TIME / 3)
+    swing = size * np.cos(np.cumsum(WN * (1 + 0.01 * (1 - size))) * TIME[1])
+    other = 0.1 * np.exp(-0.05 * TIME) * np.cos(8.86 * TIME + 1) + 0.03 * swing
+    values = np.array([swing, other]) + 0.015 * np.random.default_rng(1).standard_normal((2, TIME.size))
+    modes = identify(as_response(TIME, values, ["y", "x"]))
+    assert modes.forces
+    for zeta, each in zip(modes.modes.zeta, modes.amplitude_dependence, strict=True):
+        lengths = [stop - start for start, stop in each.spans]
+        assert zeta == pytest.approx(np.average(each.zeta, weights=lengths), rel=1e-6)

@@ -16,7 +16,7 @@ from suspid.words import DecayDoubt, Level
 
 # Two decays are one where the later begins within this part of a period of its slowest mode after the end of the
 # earlier. A friction that holds a mass and lets it go parts them; a larger part joins a second release to the first.
-SHORT_PAUSE = 0.25
+SHORT_PAUSE = 1.0
 # The motion goes on after a decay if the samples there spread by more than this many standard deviations of the
 # residual. White noise hardly spreads by more than ten; a smaller number costs the time of a fit where none is needed.
 MOVES = 15.0
@@ -27,10 +27,11 @@ KNOWN_WN, KNOWN_ZETA = 0.01, 0.25
 OF_LENGTH = frozenset({DecayDoubt.CUT_OFF, DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 
 
-def longer_decays(used: Decay, decays: Sequence[Decay], end: Second) -> Iterator[Decay]:
+def longer_decays(used: Decay, decays: Sequence[Decay], *, released: Second | None, end: Second) -> Iterator[Decay]:
     """Yield decays that begin before the one that is used and contain it, or end where it begins, joined to it.
 
-    Then that of a single event, to the last sample of the record: what fills it has no background to meet.
+    Then that of a single event, from the release before it, and to the last sample of the record: what fills it has no
+    background to meet.
     """
     for decay in decays:
         if decay.start >= used.start:
@@ -39,6 +40,8 @@ def longer_decays(used: Decay, decays: Sequence[Decay], end: Second) -> Iterator
             yield decay
         elif decay.stop >= used.start - SHORT_PAUSE * _period(used):
             yield _until(decay, max(decay.stop, used.stop))
+    if len(decays) == 1 and released is not None and released < used.start - _period(used):
+        yield replace(used, start=released)
     if len(decays) == 1 and end > used.stop:
         yield _until(used, end)
 

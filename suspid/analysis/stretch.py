@@ -14,7 +14,7 @@ from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.longer import goes_on, longer_decays, shows_more
 from suspid.analysis.settings import Settings
-from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
+from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, release_before
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.records import cut, late_start, like
@@ -119,7 +119,7 @@ def _longer(record: control.TimeResponseData, best: Used, settings: Settings) ->
         return best
     signal = as_signal(record)
     end = float(signal.timepts[-1])
-    for decay in longer_decays(best.used[0], decays, end):
+    for decay in longer_decays(best.used[0], decays, released=release_before(signal, best.used[0].start), end=end):
         best = replace(best, identification=best.identification or tried(best.record, settings))
         if decay.start == best.used[0].start and not goes_on(best.identification, _after(signal, best)):
             continue

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from suspid.decays.envelopes import finest as finest_of
 from suspid.decays.trials import BLOCKS_A_CYCLE, block_size
+from suspid.signals import Signal
 from suspid.units import Hertz, RealArray, Second
 
 # Share of the power of the velocity below the highest frequency that counts; more of it follows noise.
@@ -87,6 +89,22 @@ def released_at(values: RealArray, finest: RealArray) -> int:
         if grown and rest > max(8, int(np.argmax(moved))):
             return int(end) + at_rest_until(ahead, finest) + 1
     return 0
+
+
+def release_before(signal: Signal, time: Second) -> Second | None:
+    """Return when a mass that was held is let go, the last time before another; None if none was held.
+
+    Examples
+    --------
+    >>> time = np.arange(300.0)
+    >>> free = np.exp(-0.01 * (time - 100)) * np.cos(0.1 * (time - 100))
+    >>> values = np.where(time < 100, np.minimum(time / 20, 1.0), free)[None].round(4)
+    >>> release_before(Signal(start=0.0, step=0.01, values=values, channels=("mass",)), 2.0)
+    1.0
+    """
+    before = released_at(signal.values, finest_of(signal.values))
+    released = signal.start + signal.step * before
+    return released if before > 0 and released < time else None
 
 
 def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int, int]:

@@ -11,7 +11,7 @@ import numpy as np
 from suspid.identification.covariance import inverse_information
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
-from suspid.identification.nonlinear.swings import by_pole, cuts_of, swings_of
+from suspid.identification.nonlinear.swings import by_pole, cuts_of, mean_of, swings_of
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
@@ -67,10 +67,31 @@ def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[c
     together the swings of one are not seen alone: there it is that of the equivalent linear system.
     """
     swings = swings_of(fit, pole, window) if len(fit.drive.theta) == 1 else None
-    if swings is not None:
-        return swings.mean()
+    return _equivalent_pole(fit, pole, window) if swings is None else swings.mean()
+
+
+def mean_over_parts(fit: DrivenFit, pole: int) -> tuple[complex, RealArray]:
+    """Return the mean pole of a mode over its decay, and its derivatives, (2, parameter).
+
+    Of several modes it is the mean of the parts by which the mode is described over its amplitude, each by its length.
+    """
+    if len(fit.drive.theta) == 1:
+        return mean_pole(fit, pole)
+    pairs = _part_pairs(fit, pole)
+    return mean_of([_equivalent_pole(fit, pole, slice(a, b + 1)) for a, b in pairs], [b - a for a, b in pairs])
+
+
+def _equivalent_pole(fit: DrivenFit, pole: int, window: slice) -> tuple[complex, RealArray]:
+    """Return a pole of the equivalent linear system over a window, and its derivatives, (2, parameter)."""
     poles, by_gain = _equivalent(fit, window)
     return complex(poles[pole]), _pole_slopes(fit, pole, by_gain[pole])
+
+
+def _part_pairs(fit: DrivenFit, pole: int) -> list[tuple[int, int]]:
+    """Return first and last samples of the parts of a decay between which a mode falls by about equal parts."""
+    envelope = np.log(np.abs(fit.states[pole]) + 1e-300)
+    cycle = int(np.ceil(2 * np.pi / float(np.min(np.abs(fit.drive.theta.imag)))))
+    return list(pairwise(cuts_of(envelope, least=max(8, cycle))))
 
 
 def _equivalent(fit: DrivenFit, window: slice = slice(None)) -> tuple[ComplexArray, ComplexArray]:
@@ -201,12 +222,10 @@ def _parts(
         pairs = list(pairwise(cuts))
         between = np.sqrt(swings.size[cuts[:-1]] * swings.size[cuts[1:]])
         return [(*swings.pole(a, b), (float(swings.time[a]), float(swings.time[b]))) for a, b in pairs], between
-    envelope = np.log(size * np.abs(fit.states[pole]))
-    cycle = int(np.ceil(2 * np.pi / float(np.min(np.abs(fit.drive.theta.imag)))))
-    cuts = cuts_of(envelope, least=max(8, cycle))
-    pairs = list(pairwise(cuts))
+    pairs = _part_pairs(fit, pole)
+    envelope = np.log(size * np.abs(fit.states[pole]) + 1e-300)
     inside = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in pairs])
-    return [(*mean_pole(fit, pole, slice(a, b + 1)), (float(a), float(b))) for a, b in pairs], inside
+    return [(*_equivalent_pole(fit, pole, slice(a, b + 1)), (float(a), float(b))) for a, b in pairs], inside
 
 
 def where_holds(holds: complex, poles: ComplexArray, amplitude: RealArray) -> float:
@@ -215,7 +234,12 @@ def where_holds(holds: complex, poles: ComplexArray, amplitude: RealArray) -> fl
     poles, logs = poles[order], np.log(amplitude[order])
     if len(poles) < 2:
         return float(amplitude[0])
-    legs = np.diff(poles)
-    shares = np.clip(((holds - poles[:-1]) * legs.conj()).real / np.maximum(np.abs(legs) ** 2, 1e-300), 0.0, 1.0)
-    nearest = int(np.argmin(np.abs(poles[:-1] + shares * legs - holds)))
+    # Frequency and damping count alike, each over the range that it has.
+    wn, zeta = np.abs(poles), -poles.real / np.abs(poles)
+    ranges = max(float(np.ptp(wn)), 1e-300), max(float(np.ptp(zeta)), 1e-300)
+    places = wn / ranges[0] + 1j * zeta / ranges[1]
+    target = complex(abs(holds) / ranges[0], -holds.real / abs(holds) / ranges[1])
+    legs = np.diff(places)
+    shares = np.clip(((target - places[:-1]) * legs.conj()).real / np.maximum(np.abs(legs) ** 2, 1e-300), 0.0, 1.0)
+    nearest = int(np.argmin(np.abs(places[:-1] + shares * legs - target)))
     return float(np.exp(logs[nearest] + shares[nearest] * (logs[nearest + 1] - logs[nearest])))

@@ -12,7 +12,7 @@ from suspid.identification.nonlinear.amplitude import (
     AmplitudeDependence,
     covariance_of,
     dependence,
-    mean_pole,
+    mean_over_parts,
     window_changes,
 )
 from suspid.identification.nonlinear.driven import DrivenFit
@@ -34,7 +34,7 @@ def modes_of_bent(
     if bent.structure is not None:
         return modes_of_structure(bent.structure, timepts=timepts, channels=channels)
     fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
-    means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
+    means = [mean_over_parts(fit, k) for k in range(len(fit.drive.theta))]
     exponents = np.array([theta for theta, _ in means])
     order = np.argsort(np.abs(exponents), kind="stable")
     chosen = np.vstack([means[k][1] for k in order])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,12 +50,20 @@ class Swings:
         """
         count = len(self.time)
         cycles = [self.pole(first, first + 2) for first in range(count - 2)] or [self.pole()]
-        exponents, slopes = np.array([theta for theta, _ in cycles]), np.array([by for _, by in cycles])
-        wn, zeta = float(np.mean(np.abs(exponents))), float(np.mean(-exponents.real / np.abs(exponents)))
-        by_wn, by_zeta = np.einsum("pci,cij->pj", by_pole(exponents), slopes) / len(cycles)
-        turned = np.sqrt(1 - zeta**2)
-        change = (-zeta + 1j * turned) * by_wn - wn * (1 + 1j * zeta / turned) * by_zeta
-        return wn * (-zeta + 1j * turned), np.array([change.real, change.imag])
+        return mean_of(cycles, np.ones(len(cycles)))
+
+
+def mean_of(
+    poles: Sequence[tuple[complex, RealArray]], weights: RealArray | Sequence[float]
+) -> tuple[complex, RealArray]:
+    """Return the pole of the mean natural frequency and damping ratio of several, each with derivatives."""
+    share = np.array(weights, float) / np.sum(weights)
+    exponents, slopes = np.array([theta for theta, _ in poles]), np.array([by for _, by in poles])
+    wn, zeta = float(share @ np.abs(exponents)), float(share @ (-exponents.real / np.abs(exponents)))
+    by_wn, by_zeta = np.einsum("c,pci,cij->pj", share, by_pole(exponents), slopes)
+    turned = np.sqrt(max(1 - zeta**2, 1e-12))
+    change = (-zeta + 1j * turned) * by_wn - wn * (1 + 1j * zeta / turned) * by_zeta
+    return wn * (-zeta + 1j * turned), np.array([change.real, change.imag])
 
 
 def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings | None:
