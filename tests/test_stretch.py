@@ -6,12 +6,14 @@ import pytest
 from scipy.signal import lfilter
 
 from suspid import Level, Settings, analyse, free_decay
+from suspid.analysis import stretch
 from suspid.analysis.choice import holds
+from suspid.decays import Decay
 from suspid.identification import by_likelihood, identify_linear
 from suspid.records import as_response, cut, late_start
 from suspid.signals import as_signal
 from suspid.units import RealArray
-from suspid.words import DecayDoubt, Note
+from suspid.words import DecayDoubt, Note, Remark
 from validation import cars
 
 
@@ -51,6 +53,45 @@ def decay_of(seed: int, *, rest: int) -> control.TimeResponseData:
     noise = 0.1 if rest == 0 else 0.01
     values += noise * np.sqrt(np.mean(values**2, axis=1))[:, None] * rng.standard_normal(values.shape)
     return as_response(np.arange(2000) / 500, values, ["tire", "chassis", "seat"])
+
+
+def test_a_decay_whose_first_swings_are_clipped_begins_after_them() -> None:
+    time = np.arange(4000) / 1000
+    swing = np.where(time < 1, 0.0, np.exp(-2.0 * (time - 1)) * np.sin(40 * (time - 1)))
+    values = np.clip(swing + 1e-3 * np.random.default_rng(1).standard_normal(time.size), -0.7, 0.7)
+    found = analyse(as_response(time, values[None], ["body"]))
+    (used,) = found.used
+    clipped = time[np.flatnonzero(np.abs(values) >= 0.7)[-1]]
+    assert clipped < used.start < clipped + 0.2
+    assert not {doubt.code for doubt in used.doubts} & {DecayDoubt.CLIPPED, DecayDoubt.NOT_IDENTIFIED}
+    np.testing.assert_allclose(found.modes.wn, [np.hypot(2, 40)], rtol=1e-3)
+    np.testing.assert_allclose(found.modes.zeta, [2 / np.hypot(2, 40)], rtol=0.02)
+
+
+@pytest.mark.parametrize(("until", "moved"), [(0.8, True), (2.6, False)])
+def test_only_clipped_samples_in_the_first_part_of_a_decay_are_left_out(until: float, moved: bool) -> None:
+    time = np.arange(4000) / 1000
+    values = np.exp(-0.3 * time) * np.sin(40 * time)
+    values = np.where(time < until, np.clip(values, -0.4, 0.4), np.clip(values, -0.39, 0.39))
+    decay = Decay(
+        start=0.0,
+        stop=3.999,
+        rank=1,
+        kind=None,
+        level=40.0,
+        cycles=20.0,
+        strength=90.0,
+        wn=np.array([40.0]),
+        zeta=np.array([0.01]),
+        doubts=(Remark(DecayDoubt.CLIPPED, {"samples": 9}), Remark(DecayDoubt.CUT_OFF)),
+    )
+    record = as_response(time, np.where(time < until, values, 0.5 * values)[None], ["body"])
+    later = stretch._past_clipping(record, decay)
+    clipped = time[np.flatnonzero(np.abs(record.y[0]) >= 0.4)[-1]]
+    assert bool(clipped < later.start < clipped + 0.01) is moved
+    assert [doubt.code for doubt in later.doubts] == (
+        [DecayDoubt.CUT_OFF] if moved else [DecayDoubt.CLIPPED, DecayDoubt.CUT_OFF]
+    )
 
 
 class TestLaterThanTheFirstSample:

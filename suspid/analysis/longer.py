@@ -30,8 +30,8 @@ OF_LENGTH = frozenset({DecayDoubt.CUT_OFF, DecayDoubt.FEW_CYCLES, DecayDoubt.TOO
 def longer_decays(used: Decay, decays: Sequence[Decay], *, released: Second | None, end: Second) -> Iterator[Decay]:
     """Yield decays that begin before the one that is used and contain it, or end where it begins, joined to it.
 
-    Then that of a single event, from the release before it, and to the last sample of the record: what fills it has no
-    background to meet.
+    One that is cut off is joined to the next. Then that of a single event, from the release before it, and to the last
+    sample of the record: what fills it has no background to meet.
     """
     for decay in decays:
         if decay.start >= used.start:
@@ -40,6 +40,11 @@ def longer_decays(used: Decay, decays: Sequence[Decay], *, released: Second | No
             yield decay
         elif decay.stop >= used.start - SHORT_PAUSE * _period(used):
             yield _until(decay, max(decay.stop, used.stop))
+    if any(doubt.code is DecayDoubt.CUT_OFF for doubt in used.doubts):
+        after = [
+            d for d in decays if used.start < d.start <= used.stop + SHORT_PAUSE * _period(used) and d.stop > used.stop
+        ]
+        yield from (_until(used, decay.stop) for decay in after)
     if len(decays) == 1 and released is not None and released < used.start - _period(used):
         yield replace(used, start=released)
     if len(decays) == 1 and end > used.stop:
