@@ -196,7 +196,7 @@ def outcome(seed: int) -> Outcome:
     return judged(record, found)
 
 
-def report(*, seeds: int = 100) -> str:
+def report(*, seeds: int = 60) -> str:
     """Return the report as markdown."""
     with ProcessPoolExecutor(max_workers=2) as pool:
         found = list(pool.map(outcome, range(FIRST_SEED, FIRST_SEED + seeds), chunksize=5))
