@@ -6,8 +6,8 @@ import pytest
 from scipy.signal import lfilter
 
 from suspid import Level, Settings, analyse, free_decay
-from suspid.analysis import stretch
 from suspid.analysis.choice import holds
+from suspid.analysis.past_clipping import past_clipping
 from suspid.decays import Decay
 from suspid.identification import by_likelihood, identify_linear
 from suspid.records import as_response, cut, late_start
@@ -86,7 +86,7 @@ def test_only_clipped_samples_in_the_first_part_of_a_decay_are_left_out(until: f
         doubts=(Remark(DecayDoubt.CLIPPED, {"samples": 9}), Remark(DecayDoubt.CUT_OFF)),
     )
     record = as_response(time, np.where(time < until, values, 0.5 * values)[None], ["body"])
-    later = stretch._past_clipping(record, decay)
+    later = past_clipping(record, decay)
     clipped = time[np.flatnonzero(np.abs(record.y[0]) >= 0.4)[-1]]
     assert bool(clipped < later.start < clipped + 0.01) is moved
     assert [doubt.code for doubt in later.doubts] == (

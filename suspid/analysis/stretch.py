@@ -13,8 +13,8 @@ from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.longer import goes_on, longer_decays, shows_more
+from suspid.analysis.past_clipping import past_clipping
 from suspid.analysis.settings import Settings
-from suspid.cleaning import clipped_run
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, release_before
 from suspid.errors import RecordError
 from suspid.identification import Identification
@@ -33,8 +33,6 @@ LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
 EARLY_PART = 0.25
 # Doubts that a stretch is long enough for its modes.
 LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
-# Doubts that end with the clipped samples of a decay.
-OF_CLIPPING = frozenset({DecayDoubt.CLIPPED, DecayDoubt.NOT_IDENTIFIED})
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
 
@@ -228,27 +226,11 @@ def _one(record: control.TimeResponseData, decays: Decays, rank: int) -> Used:
 
 
 def _of(record: control.TimeResponseData, decays: Decays, best: Decay) -> Used:
-    best = _past_clipping(record, best)
+    best = past_clipping(record, best)
     used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})
     doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
     part, still = _moving(cut(record, start=best.start, stop=best.stop))
     return Used(record=part, decays=decays, used=(best,), notes=(used, *doubts, *still))
-
-
-def _past_clipping(record: control.TimeResponseData, decay: Decay) -> Decay:
-    """Return a decay from after its clipped samples on, if these lie in its first part: a blow exceeds the range."""
-    if not any(doubt.code is DecayDoubt.CLIPPED for doubt in decay.doubts):
-        return decay
-    signal = as_signal(cut(record, start=decay.start, stop=decay.stop))
-    last = -1
-    for samples in signal.values:
-        for largest in (True, False):
-            run = clipped_run(samples, largest=largest)
-            last = last if run is None else max(last, int(np.flatnonzero(samples == samples[run[0]])[-1]))
-    if not 0 <= last < EARLY_PART * signal.values.shape[1]:
-        return decay
-    kept = tuple(doubt for doubt in decay.doubts if doubt.code not in OF_CLIPPING)
-    return replace(decay, start=float(signal.timepts[last + 1]), doubts=kept)
 
 
 def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:
