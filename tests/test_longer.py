@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import analyse
+from suspid import Identification, analyse, identify
+from suspid.analysis.longer import shared_modes
 from suspid.identification.nonlinear import motion, search, structure
+from suspid.records import as_response
 from validation import rigs
 
 
@@ -48,3 +50,19 @@ class TestTwoMasses:
         record = rigs.release("friction", 2, seed=3000015)
         rigs.write(record, tmp_path / "release.csv")
         assert analyse(tmp_path / "release.csv").used
+
+
+class TestSharedModes:
+    @staticmethod
+    def of(*hertz: float) -> Identification:
+        time = np.arange(600) / 100
+        values = sum(np.exp(-0.8 * time) * np.cos(2 * np.pi * each * time) for each in hertz)
+        noise = 1e-3 * np.random.default_rng(1).standard_normal((1, time.size))
+        return identify(as_response(time, values + noise, ["body"]))
+
+    def test_what_one_decay_alone_shows_counts_against_it(self) -> None:
+        odd, one, other = self.of(2.0, 7.0), self.of(1.2, 3.0), self.of(1.2, 3.0, 9.0)
+        assert shared_modes([odd, one, other]) == pytest.approx([0.0, 1.0, 2 / 3])
+
+    def test_a_lone_decay_shares_none(self) -> None:
+        assert shared_modes([self.of(2.0), None]) == [0.0, 0.0]

@@ -14,7 +14,8 @@ from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
-from suspid.analysis.stretch import Used, stretch_of
+from suspid.analysis.stretch import stretch_of
+from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError

@@ -73,6 +73,20 @@ def shows_more(longer: Identification, found: Identification | None) -> bool:
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
 
 
+def shared_modes(found: Sequence[Identification | None]) -> list[float]:
+    """Return which share of the modes of each identification one of the others has too."""
+    poles = [np.zeros(0, complex) if one is None else one.modes.poles for one in found]
+    shares = []
+    for k, own in enumerate(poles):
+        others = np.concatenate([other for j, other in enumerate(poles) if j != k])
+        if not own.size or not others.size:
+            shares.append(0.0)
+            continue
+        apart = np.min(np.abs(own[:, None] - others), axis=1)
+        shares.append(float(np.mean(apart < SAME_POLE * np.abs(own))))
+    return shares
+
+
 def _until(decay: Decay, stop: Second) -> Decay:
     """Return a decay that ends later."""
     return replace(decay, stop=stop, doubts=tuple(doubt for doubt in decay.doubts if doubt.code not in OF_LENGTH))

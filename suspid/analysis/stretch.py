@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,22 +12,24 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
-from suspid.analysis.longer import goes_on, longer_decays, shows_more
-from suspid.analysis.past_clipping import past_clipping
+from suspid.analysis.longer import goes_on, longer_decays, shared_modes, shows_more
 from suspid.analysis.settings import Settings
+from suspid.analysis.used import Used, used_of
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, release_before
 from suspid.errors import RecordError
 from suspid.identification import Identification
-from suspid.records import cut, late_start, like
+from suspid.records import cut, late_start
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
-from suspid.words import DecayDoubt, Note, Number, Remark
+from suspid.words import DecayDoubt, Level, Note, Number, Remark
 
 if TYPE_CHECKING:
     import control
 
 # Shares of the best decay after which it is tried again where no mode is found in it, and decays tried after it.
 LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
+# Decays tried where the identification of the best one is doubtful: each costs the time of an identification.
+MOST_NEXT = 4
 # The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
 # it, its decay would not be known.
 EARLY_PART = 0.25
@@ -35,17 +37,6 @@ EARLY_PART = 0.25
 LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Used:
-    """The part of a record that is taken as a decay, among the decays that were found."""
-
-    record: control.TimeResponseData
-    decays: Decays | tuple[Decay, ...]
-    used: tuple[Decay, ...]
-    notes: tuple[Remark, ...]
-    identification: Identification | None = None  # of the record, where it was needed for the choice
 
 
 def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
@@ -67,7 +58,8 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
-        return _once_free(record, _longer(record, _best(record, settings), settings), settings)
+        best = _longer(record, _best(record, settings), settings)
+        return _once_free(record, _sounder(record, best, settings), settings)
     decays = find_decays(record)
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
@@ -90,7 +82,7 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     decays = find_decays(record)
     clear = [decay for decay in decays if not _chance(decay)]
     if clear:
-        best = _of(record, decays, clear[0])
+        best = used_of(record, decays, clear[0])
         if late and not clear[0].doubts:
             return best
         part = tried(best.record, settings)
@@ -124,11 +116,37 @@ def _longer(record: control.TimeResponseData, best: Used, settings: Settings) ->
         best = replace(best, identification=best.identification or tried(best.record, settings))
         if decay.start == best.used[0].start and not goes_on(best.identification, _after(signal, best)):
             continue
-        used = _of(record, decays, decay)
+        used = used_of(record, decays, decay)
         found = tried(used.record, settings)
         if found is not None and shows_more(found, best.identification):
             return replace(used, identification=found)
     return best
+
+
+def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
+    """Return another decay where the identification of the best one is doubtful: one that is not, or one that agrees.
+
+    After each of several releases the same modes are seen; what a single decay shows that is still driven, none other.
+    """
+    decays = best.decays
+    if len(best.used) != 1 or not isinstance(decays, Decays) or len(decays) < 2:
+        return best
+    best = replace(best, identification=best.identification or tried(best.record, settings))
+    if not _doubtful(best.identification):
+        return best
+    tries = [best]
+    for decay in [decay for decay in decays if decay.start != best.used[0].start][:MOST_NEXT]:
+        used = used_of(record, decays, decay)
+        found = tried(used.record, settings)
+        tries.append(replace(used, identification=found))
+        if found is not None and settled(found) and not _doubtful(found):
+            return tries[-1]
+    shared = shared_modes([one.identification for one in tries])
+    return tries[int(np.argmax(shared))] if max(shared) > shared[0] else best
+
+
+def _doubtful(found: Identification | None) -> bool:
+    return found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL
 
 
 def _after(signal: Signal, best: Used) -> RealArray:
@@ -150,7 +168,7 @@ def _once_free(record: control.TimeResponseData, best: Used, settings: Settings)
     for later in later_starts(record, found):
         if start + later >= decay.stop:
             break
-        used = _of(record, decays, replace(decay, start=start + later))
+        used = used_of(record, decays, replace(decay, start=start + later))
         free = tried(used.record, settings)
         if free is not None and settled(free) and freed(found, free):
             return replace(used, identification=free)
@@ -196,7 +214,7 @@ def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Dec
         return None
     later = [replace(best, start=best.start + share * (best.stop - best.start)) for share in LATER_SHARES]
     for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):
-        used = _of(record, decays, decay)
+        used = used_of(record, decays, decay)
         found = tried(used.record, settings)
         if found is not None and len(found.modes):
             return replace(used, identification=found)
@@ -222,27 +240,7 @@ def _all(record: control.TimeResponseData, decays: Decays) -> Used:
 def _one(record: control.TimeResponseData, decays: Decays, rank: int) -> Used:
     if rank > len(decays):
         raise RecordError(f"there is no decay of rank {rank}; found: {'; '.join(map(str, decays))}")
-    return _of(record, decays, decays[rank - 1])
-
-
-def _of(record: control.TimeResponseData, decays: Decays, best: Decay) -> Used:
-    best = past_clipping(record, best)
-    used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})
-    doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
-    part, still = _moving(cut(record, start=best.start, stop=best.stop))
-    return Used(record=part, decays=decays, used=(best,), notes=(used, *doubts, *still))
-
-
-def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:
-    """Return the record without channels that stand still in it, and what was left out."""
-    signal = as_signal(record)
-    moving = np.ptp(signal.values, axis=1) > 0
-    if moving.all() or not moving.any():
-        return record, []
-    kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
-    notes = [Remark(Note.STILL_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept]
-    title = str(getattr(record, "title", None) or "")
-    return like(record, signal.timepts, signal.values[moving], kept, title=title), notes
+    return used_of(record, decays, decays[rank - 1])
 
 
 def _remarks(decays: Decays) -> str:

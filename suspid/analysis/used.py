@@ -1,0 +1,50 @@
+"""The part of a record that is identified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.past_clipping import past_clipping
+from suspid.decays import Decay, Decays
+from suspid.identification import Identification
+from suspid.records import cut, like
+from suspid.signals import as_signal
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Used:
+    """The part of a record that is taken as a decay, among the decays that were found."""
+
+    record: control.TimeResponseData
+    decays: Decays | tuple[Decay, ...]
+    used: tuple[Decay, ...]
+    notes: tuple[Remark, ...]
+    identification: Identification | None = None  # of the record, where it was needed for the choice
+
+
+def used_of(record: control.TimeResponseData, decays: Decays, best: Decay) -> Used:
+    """Return a decay of a record as the part that is used, without clipped samples at its start and still channels."""
+    best = past_clipping(record, best)
+    used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})
+    doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
+    part, still = _moving(cut(record, start=best.start, stop=best.stop))
+    return Used(record=part, decays=decays, used=(best,), notes=(used, *doubts, *still))
+
+
+def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:
+    """Return the record without channels that stand still in it, and what was left out."""
+    signal = as_signal(record)
+    moving = np.ptp(signal.values, axis=1) > 0
+    if moving.all() or not moving.any():
+        return record, []
+    kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
+    notes = [Remark(Note.STILL_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept]
+    title = str(getattr(record, "title", None) or "")
+    return like(record, signal.timepts, signal.values[moving], kept, title=title), notes
