@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.candidates import Candidate
-from suspid.identification.classification import reasons_of
+from suspid.identification.classification import is_tone, reasons_of
+from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import blocks_of, synthesize
 from suspid.identification.fitting import Problem
 from suspid.identification.likelihood import reweighed
@@ -81,6 +82,12 @@ def _as_one(
     left = np.sum((fit.residual - selection.residual) ** 2, axis=1)
     solution = reweighed(fit.solution, problem.noise, fit.squares)
     reasons = reasons_of(solution, band, fit.loudness, fit.explained)
+    # What one pole leaves of the motion is no white noise, and its rate known no better than that says.
+    spread = np.sqrt(
+        np.diag(inverse_information(solution.information))[2 * place] * max(float(fit.loudness[place]), 1.0)
+    )
+    if is_tone(-float(solution.poles.pairs[place].real), float(spread), selection.fit.count):
+        return None
     if reasons[place] is not None or weight @ left > LEFT_AS_ONE * (weight @ np.sum(motion**2, axis=1)):
         return None
     parts = tuple(
