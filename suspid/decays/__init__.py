@@ -3,8 +3,8 @@
 `find_decays` finds the events in a recording (a bump, a step, a release), finds where the excitation of each ends,
 checks each decay with `identify` and ranks them. Below it: `envelopes` (band power above the background), `bursts`
 (the events), `trials` and `sketches` (quick fits), `starts`, `predictions` and `verification` (the first sample of the
-decay), `refusals`, `doubts` and `kinds` (what is said of it), `fading` (large swings) and `candidates` (all of that for
-one event).
+decay), `refusals`, `doubts` and `kinds` (what is said of it), `fading` (large swings), `candidates` (all of that for
+one event), `tails` (the free end of a driven record) and `releases` (a car that is pushed and let go again and again).
 """
 
 from suspid.decays.decay import GRAVE, Decay, Decays

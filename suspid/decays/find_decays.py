@@ -43,7 +43,8 @@ def find_decays(
     than noise does. Later and later starts are tried from its onset on: the excitation ends at the first start from
     which damped exponentials explain all but noise, with no more poles than from the next starts. `identify` must find
     the same modes from there, or from a little later; otherwise that is a doubt. Steady noise, steady tones and rolling
-    on a road give no decay. An event without a free decay is left out, and `Decays.remarks` says why.
+    on a road give no decay. An event without a free decay is left out, and `Decays.remarks` says why. Where no event is
+    beyond doubt, free motion is looked for after each of several pushes, and at the end of the record.
 
     Parameters
     ----------
