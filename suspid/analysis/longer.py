@@ -14,8 +14,8 @@ from suspid.identification import Identification
 from suspid.units import RealArray, Second
 from suspid.words import DecayDoubt, Level
 
-# Two decays are one where the later begins within this part of a period of its slowest mode after the end of the
-# earlier. A friction that holds a mass and lets it go parts them; a larger part joins a second release to the first.
+# Two decays are one where the later begins within this number of periods of its slowest mode after the earlier.
+# Friction that holds a mass and lets it go parts them; a larger number tries to join a second release to the first.
 SHORT_PAUSE = 1.0
 # The motion goes on after a decay if the samples there spread by more than this many standard deviations of the
 # residual. White noise hardly spreads by more than ten; a smaller number costs the time of a fit where none is needed.

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # Shares of the best decay after which it is tried again where no mode is found in it, and decays tried after it.
 LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
+# A release is looked for before a decay within this multiple of its length: a fast mode has died after fewer.
+BEFORE_DECAY = 3.0
 # Decays tried where the identification of the best one is doubtful: each costs the time of an identification.
 MOST_NEXT = 4
 # The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
@@ -111,8 +113,8 @@ def _longer(record: control.TimeResponseData, best: Used, settings: Settings) ->
     if len(best.used) != 1 or not isinstance(decays, Decays):
         return best
     signal = as_signal(record)
-    end = float(signal.timepts[-1])
-    for decay in longer_decays(best.used[0], decays, released=release_before(signal, best.used[0].start), end=end):
+    released = _released(record, best.used[0]) if len(decays) == 1 else None
+    for decay in longer_decays(best.used[0], decays, released=released, end=float(signal.timepts[-1])):
         best = replace(best, identification=best.identification or tried(best.record, settings))
         if decay.start == best.used[0].start and not goes_on(best.identification, _after(signal, best)):
             continue
@@ -121,6 +123,12 @@ def _longer(record: control.TimeResponseData, best: Used, settings: Settings) ->
         if found is not None and shows_more(found, best.identification):
             return replace(used, identification=found)
     return best
+
+
+def _released(record: control.TimeResponseData, decay: Decay) -> Second | None:
+    """Return when a mass is let go before a decay: each rest in a long recording would cost a look at all of it."""
+    earliest = max(as_signal(record).start, decay.start - BEFORE_DECAY * (decay.stop - decay.start))
+    return release_before(as_signal(cut(record, start=earliest, stop=decay.stop)), decay.start)
 
 
 def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:

@@ -25,6 +25,8 @@ COMMONEST, MULTIPLES = 0.1, 0.75
 # Single samples that lie this many times as far from the median as this share of all, while their neighbours are within
 # the second number: spikes, if there are as many. Fewer may be blows; a lower factor takes blows that are sampled once.
 SPIKE_OVER, BESIDE_SPIKE, WITHIN, FEWEST_SPIKES = 1000.0, 30.0, 0.95, 3
+# Samples that tell the spread of a channel within a factor of two.
+SAMPLES_LOOKED_AT = 4096
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
@@ -147,8 +149,10 @@ def _without_spikes(name: str, times: RealArray, values: RealArray) -> tuple[Rea
     A counter that wraps round leaves them in the speed that is computed from it. Both neighbours of each lie among the
     others: the first sample of a blow is followed by more.
     """
-    about = np.abs(values - np.nanmedian(values)) if np.any(np.isfinite(values)) else np.zeros(len(values))
-    within = float(np.nanquantile(about, WITHIN)) if about.size else 0.0
+    if not np.any(np.isfinite(values)) or _keeps_within(values):
+        return values, []
+    about = np.abs(values - np.nanmedian(values))
+    within = float(np.nanquantile(about, WITHIN))
     far = np.nan_to_num(about) > SPIKE_OVER * within
     if not within or np.sum(far) < FEWEST_SPIKES:
         return values, []
@@ -163,6 +167,14 @@ def _without_spikes(name: str, times: RealArray, values: RealArray) -> tuple[Rea
     spiked = values.copy()
     spiked[at] = np.nan
     return spiked, [found(Defect.SPIKES, times[at], at.size, numbers, channel=name)]
+
+
+def _keeps_within(values: RealArray) -> bool:
+    """Return whether some of the samples show that none is a spike: a look at all of them takes long."""
+    some = values[:: max(1, values.size // SAMPLES_LOOKED_AT)]
+    middle = float(np.nanmedian(some)) if np.any(np.isfinite(some)) else 0.0
+    within = float(np.nanquantile(np.abs(some - middle), WITHIN)) if np.any(np.isfinite(some)) else 0.0
+    return max(float(np.nanmax(values)) - middle, middle - float(np.nanmin(values))) < 0.5 * SPIKE_OVER * within
 
 
 def _levels(samples: RealArray) -> int:

@@ -83,10 +83,8 @@ def _as_one(
     solution = reweighed(fit.solution, problem.noise, fit.squares)
     reasons = reasons_of(solution, band, fit.loudness, fit.explained)
     # What one pole leaves of the motion is no white noise, and its rate known no better than that says.
-    spread = np.sqrt(
-        np.diag(inverse_information(solution.information))[2 * place] * max(float(fit.loudness[place]), 1.0)
-    )
-    if is_tone(-float(solution.poles.pairs[place].real), float(spread), selection.fit.count):
+    variance = inverse_information(solution.information)[2 * place, 2 * place] * max(float(fit.loudness[place]), 1.0)
+    if is_tone(-float(solution.poles.pairs[place].real), float(np.sqrt(variance)), selection.fit.count):
         return None
     if reasons[place] is not None or weight @ left > LEFT_AS_ONE * (weight @ np.sum(motion**2, axis=1)):
         return None
