@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -11,12 +12,17 @@ from suspid.analysis.choice import settled
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.decays import Decay
 from suspid.identification import Identification
+from suspid.levels import NORMAL_95
+from suspid.signals import Signal
 from suspid.units import RealArray, Second
 from suspid.words import DecayDoubt, Level
 
 # Two decays are one where the later begins within this number of periods of its slowest mode after the earlier.
 # Friction that holds a mass and lets it go parts them; a larger number tries to join a second release to the first.
 SHORT_PAUSE = 1.0
+# A release this number of periods of the slowest mode before a decay is tried as its start: a fast mode may have died
+# since. A smaller number costs the time of a fit for nothing.
+EARLIER = 0.3
 # The motion goes on after a decay if the samples there spread by more than this many standard deviations of the
 # residual. White noise hardly spreads by more than ten; a smaller number costs the time of a fit where none is needed.
 MOVES = 15.0
@@ -27,26 +33,28 @@ KNOWN_WN, KNOWN_ZETA = 0.01, 0.25
 OF_LENGTH = frozenset({DecayDoubt.CUT_OFF, DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 
 
-def longer_decays(used: Decay, decays: Sequence[Decay], *, released: Second | None, end: Second) -> Iterator[Decay]:
-    """Yield decays that begin before the one that is used and contain it, or end where it begins, joined to it.
+def longer_decays(
+    used: Decay, decays: Sequence[Decay], *, released: Sequence[Second], signal: Signal
+) -> Iterator[Decay]:
+    """Yield longer decays: the one that is used from where the motion before it was let go; those that contain it.
 
-    One that is cut off is joined to the next. Then that of a single event, from the release before it, and to the last
-    sample of the record: what fills it has no background to meet.
+    Then those that it continues, joined to it; it joined to the next where it is cut off, and continued to the last
+    sample of the record where no other was found: what fills it has no background to meet.
     """
+    yield from (replace(used, start=start) for start in released if start < used.start - EARLIER * _period(used))
     for decay in decays:
         if decay.start >= used.start:
             continue
         if decay.stop >= used.stop:
             yield decay
-        elif decay.stop >= used.start - SHORT_PAUSE * _period(used):
+        elif decay.stop >= used.start - SHORT_PAUSE * _period(used) or _fades(signal, decay, used):
             yield _until(decay, max(decay.stop, used.stop))
     if any(doubt.code is DecayDoubt.CUT_OFF for doubt in used.doubts):
         after = [
             d for d in decays if used.start < d.start <= used.stop + SHORT_PAUSE * _period(used) and d.stop > used.stop
         ]
         yield from (_until(used, decay.stop) for decay in after)
-    if len(decays) == 1 and released is not None and released < used.start - _period(used):
-        yield replace(used, start=released)
+    end = float(signal.timepts[-1])
     if len(decays) == 1 and end > used.stop:
         yield _until(used, end)
 
@@ -67,10 +75,20 @@ def shows_more(longer: Identification, found: Identification | None) -> bool:
         return False
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL:
         return True
-    apart = np.abs(found.modes.poles[:, None] - longer.modes.poles)
-    kept = bool(np.all(np.min(apart, axis=1) < SAME_POLE * np.abs(found.modes.poles)))
+    modes = found.modes
+    apart = np.min(np.abs(modes.poles[:, None] - longer.modes.poles), axis=1)
+    unknown = np.zeros(len(modes)) if modes.wn_std is None else NORMAL_95 * modes.wn_std
+    kept = bool(np.all(apart < np.maximum(SAME_POLE * modes.wn, unknown)))
     more = _known(longer) - _known(found)
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
+
+
+def shows_all(longer: Identification, used: Decay) -> bool:
+    """Return whether an identification leaves only noise and has the modes of a part that a quick fit found."""
+    wn, modes = longer.modes.wn, used.wn
+    if not settled(longer) or longer.verdict.level is Level.DOUBTFUL or not len(modes):
+        return False
+    return bool(np.all(np.min(np.abs(modes[:, None] - wn), axis=1) < SAME_POLE * modes))
 
 
 def shared_modes(found: Sequence[Identification | None]) -> list[float]:
@@ -99,6 +117,16 @@ def _known(found: Identification) -> int:
         return len(modes)
     sure = (modes.wn_std < KNOWN_WN * modes.wn) & (modes.zeta_std < KNOWN_ZETA * np.abs(modes.zeta))
     return int(np.sum(sure))
+
+
+def _fades(signal: Signal, before: Decay, after: Decay) -> bool:
+    """Return whether the motion falls from one decay to the next without a rise between them."""
+    borders = np.searchsorted(signal.timepts, [before.start, before.stop, after.start, after.stop], side="right")
+    parts = [signal.values[:, i:j] for i, j in itertools.pairwise(borders.tolist())]
+    if min(part.shape[1] for part in parts) < 2:
+        return False
+    first, pause, last = (np.ptp(part, axis=1) for part in parts)
+    return bool(np.all(first > pause) and np.all(pause > last))
 
 
 def _period(decay: Decay) -> Second:

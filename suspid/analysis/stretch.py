@@ -12,10 +12,10 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
-from suspid.analysis.longer import goes_on, longer_decays, shared_modes, shows_more
+from suspid.analysis.longer import goes_on, longer_decays, shared_modes, shows_all, shows_more
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, release_before
+from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, releases_before
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.records import cut, late_start
@@ -113,22 +113,33 @@ def _longer(record: control.TimeResponseData, best: Used, settings: Settings) ->
     if len(best.used) != 1 or not isinstance(decays, Decays):
         return best
     signal = as_signal(record)
-    released = _released(record, best.used[0]) if len(decays) == 1 else None
-    for decay in longer_decays(best.used[0], decays, released=released, end=float(signal.timepts[-1])):
-        best = replace(best, identification=best.identification or tried(best.record, settings))
-        if decay.start == best.used[0].start and not goes_on(best.identification, _after(signal, best)):
+    released = _released(record, best.used[0])
+    for decay in longer_decays(best.used[0], decays, released=released, signal=signal):
+        earlier = decay.start < best.used[0].start
+        if not earlier:
+            best = _with_identification(best, settings)
+            if not goes_on(best.identification, _after(signal, best)):
+                continue
+        longer = _with_identification(used_of(record, decays, decay), settings)
+        found = longer.identification
+        if found is None:
             continue
-        used = used_of(record, decays, decay)
-        found = tried(used.record, settings)
-        if found is not None and shows_more(found, best.identification):
-            return replace(used, identification=found)
+        if earlier and best.identification is None and shows_all(found, best.used[0]):
+            return longer
+        best = _with_identification(best, settings)
+        if shows_more(found, best.identification):
+            return longer
     return best
 
 
-def _released(record: control.TimeResponseData, decay: Decay) -> Second | None:
-    """Return when a mass is let go before a decay: each rest in a long recording would cost a look at all of it."""
+def _with_identification(used: Used, settings: Settings) -> Used:
+    return replace(used, identification=used.identification or tried(used.record, settings))
+
+
+def _released(record: control.TimeResponseData, decay: Decay) -> tuple[Second, ...]:
+    """Return when the motion before a decay may have been let go: a look at all of a long recording costs too much."""
     earliest = max(as_signal(record).start, decay.start - BEFORE_DECAY * (decay.stop - decay.start))
-    return release_before(as_signal(cut(record, start=earliest, stop=decay.stop)), decay.start)
+    return releases_before(as_signal(cut(record, start=earliest, stop=decay.stop)), decay.start)
 
 
 def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:

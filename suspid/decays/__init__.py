@@ -9,7 +9,7 @@ one event), `tails` (the free end of a driven record) and `releases` (a car that
 
 from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.find_decays import find_decays
-from suspid.decays.predictions import release_before
+from suspid.decays.predictions import releases_before
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 
-__all__ = ["GRAVE", "LOOK_BLOCKS", "Decay", "Decays", "clearly_driven", "find_decays", "release_before"]
+__all__ = ["GRAVE", "LOOK_BLOCKS", "Decay", "Decays", "clearly_driven", "find_decays", "releases_before"]

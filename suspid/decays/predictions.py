@@ -91,20 +91,23 @@ def released_at(values: RealArray, finest: RealArray) -> int:
     return 0
 
 
-def release_before(signal: Signal, time: Second) -> Second | None:
-    """Return when a mass that was held is let go, the last time before another; None if none was held.
+def releases_before(signal: Signal, time: Second) -> tuple[Second, ...]:
+    """Return when the motion before a time may have been let go: where a held mass is, and where prediction fails.
+
+    A mass that was held shows both; one that was struck or pushed only the second.
 
     Examples
     --------
     >>> time = np.arange(300.0)
     >>> free = np.exp(-0.01 * (time - 100)) * np.cos(0.1 * (time - 100))
     >>> values = np.where(time < 100, np.minimum(time / 20, 1.0), free)[None].round(4)
-    >>> release_before(Signal(start=0.0, step=0.01, values=values, channels=("mass",)), 2.0)
-    1.0
+    >>> releases_before(Signal(start=0.0, step=0.01, values=values, channels=("mass",)), 2.0)
+    (1.0, 1.05)
     """
-    before = released_at(signal.values, finest_of(signal.values))
-    released = signal.start + signal.step * before
-    return released if before > 0 and released < time else None
+    finest = finest_of(signal.values)
+    before, (_, free) = released_at(signal.values, finest), freed_at(signal.values, finest, step=signal.step)
+    times = dict.fromkeys(signal.start + signal.step * sample for sample in (before, free) if sample)
+    return tuple(each for each in times if each < time)
 
 
 def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int, int]:

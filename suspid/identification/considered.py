@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.identification.fitting import OTHER_FREQUENCY
-from suspid.identification.harmonics import HIGHEST, multiple_of
+from suspid.identification.harmonics import HIGHEST, combination_of, multiple_of
 from suspid.identification.nonlinear import MULTIPLE
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
@@ -65,6 +65,10 @@ def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[
         if reason is Reason.HARMONIC:
             mode, multiple = multiple_of(modes, complex(theta) / step)
             remark = Remark(reason, {"mode": mode, "multiple": multiple})
+            removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
+        elif reason is Reason.COMBINATION:
+            one, other, word = combination_of(modes, complex(theta) / step)
+            remark = Remark(reason, {"mode": one, "other": other, "word": word})
             removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
         elif reason is not None:
             removed.append(Considered(pole=complex(theta) / step, remark=Remark(reason), removed=True))

@@ -1,7 +1,9 @@
-"""Name poles at multiples of a strong mode: harmonics of motion that is not quite linear."""
+"""Name poles at multiples, sums and differences of strong modes: motion that is not quite linear."""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -43,6 +45,15 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
             for j in others
         ):
             reasons[number] = Reason.HARMONIC
+    if Reason.HARMONIC in reasons:
+        # Without a harmonic, sums and differences of many modes lie near others by chance.
+        for k, number in enumerate(order.tolist()):
+            left = [j for j in range(len(order)) if j != k and reasons[order[j]] is None]
+            stronger = [j for j in left if strengths[k] < WEAK**2 * strengths[j]]
+            if reasons[number] is None and any(
+                _is_combination(modes, one, other, k) for one, other in itertools.permutations(stronger, 2)
+            ):
+                reasons[number] = Reason.COMBINATION
     return replace(selection, reasons=tuple(reasons))
 
 
@@ -61,6 +72,34 @@ def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
     return mode + 1, int(multiples[mode])
 
 
+def combination_of(modes: ModalSet, pole: complex) -> tuple[int, int, str]:
+    """Return the numbers of the modes, from 1, whose "sum" or "difference" a pole is nearest to, and which of both."""
+    wd = np.abs(modes.poles.imag)
+    pairs = [(i, j, word) for i, j in itertools.combinations(range(len(wd)), 2) for word in ("sum", "difference")]
+    strays = [abs(pole.imag - (wd[i] + wd[j] if word == "sum" else abs(wd[i] - wd[j]))) for i, j, word in pairs]
+    one, other, word = pairs[int(np.argmin(strays))]
+    return one + 1, other + 1, word
+
+
+def _is_combination(modes: ModalSet, one: int, other: int, third: int) -> bool:
+    """Return whether a third mode turns at the sum of two, or the second less the first, and decays as such a motion.
+
+    A bilinear damper makes motion that decays as one of both, a spring that bends as their product.
+    """
+    wd, rates = modes.poles.imag, -modes.poles.real
+    if not (wd[one] > 0 and wd[other] > 0):
+        return False
+    for sign in (1.0, -1.0):
+        off = _combined_std(modes, {third: 1.0, other: -1.0, one: -sign}, 1)
+        stray = wd[third] - wd[other] - sign * wd[one]
+        if not (off < PRECISE * wd[third] and abs(stray) < SURE * off):
+            continue
+        slow = SURE * _combined_std(modes, {third: 1.0}, 0)
+        if min(rates[one], rates[other]) - slow <= rates[third] <= rates[one] + rates[other] + slow:
+            return True
+    return False
+
+
 def _is_square(modes: ModalSet, one: int, other: int) -> bool:
     """Return whether the other mode is in the square of one: twice its pole, or twice its rate without turning."""
     first, second = complex(modes.poles[one]), complex(modes.poles[other])
@@ -75,10 +114,16 @@ def _is_square(modes: ModalSet, one: int, other: int) -> bool:
 
 def _std(modes: ModalSet, one: int, other: int, part: int, factor: int) -> float:
     """Return the standard deviation of the other mode's part, 0 real or 1 imaginary, less a multiple of that of one."""
+    return _combined_std(modes, {one: -factor, other: 1.0}, part)
+
+
+def _combined_std(modes: ModalSet, factors: Mapping[int, float], part: int) -> float:
+    """Return the standard deviation of a weighted sum of parts, 0 real or 1 imaginary, of modes by their numbers."""
     covariance = modes.covariance
     assert covariance is not None
     row = np.zeros(len(covariance))
-    row[2 * one + part], row[2 * other + part] = -factor, 1.0
+    for mode, factor in factors.items():
+        row[2 * mode + part] = factor
     return float(np.sqrt(row @ covariance @ row))
 
 

@@ -54,4 +54,5 @@ class Reason(Code):
             )
         ),
     )
+    COMBINATION = "combination", "the {word} of modes {mode} and {other}: their motion is nonlinear"
     DISTORTION = "distortion", "no stronger than the residual of the nonlinear forces"

@@ -20,8 +20,8 @@ from suspid.units import ComplexArray
 # One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
 # one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
 REDUCTION = 2.5
-# Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
-# too long.
+# Steps of the motion up to which structures are fitted, those up to which friction is where none was found, and
+# channels: more take too long.
 LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 3000, 1500, 3
 # Poles that differ by less than this share are the same start: steps of a fit go farther.
 ALIKE = 0.03
@@ -43,9 +43,10 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent):
         return None
     best: StructureFit | None = None
-    longest = LONGEST_FITTED if bent is not None else LONGEST_BLIND
+    blind = LONGEST_FITTED if bent is not None else LONGEST_BLIND
     for start in _starts(record, plain, bent):
         for order, kind in _kinds(record, start, bent):
+            longest = blind if kind is ForceKind.FRICTION else LONGEST_FITTED
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
                 continue
             if best is None or not explains(best, highest):
@@ -94,9 +95,10 @@ def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenF
 
 
 def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
-    """Return the fit of a single mode with the strongest other pole of the linear fit, no part or multiple of it.
+    """Return the fit of a single mode with the strongest other pole of the linear fit, one that is no multiple of it.
 
-    Parts of a mode that friction bends may be stronger than the next mode. None if there is no other.
+    Parts of a mode that friction bends may be stronger than the next mode. Where all others lie at multiples, the next
+    mode may be one of them. None if there is no other.
     """
     weights = record.amplitudes / np.sqrt(alone.variance)
     single = alone.amplitudes / np.sqrt(alone.variance)
@@ -104,9 +106,10 @@ def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
     if not others.size:
         return None
     apart = np.abs(np.log(np.abs(record.theta[others] / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY)
-    apart &= [not repeated(complex(record.theta[k]), weights[k], alone.drive.theta, single) for k in others]
     if not apart.any():
         return None
+    own = apart & [not repeated(complex(record.theta[k]), weights[k], alone.drive.theta, single) for k in others]
+    apart = own if own.any() else apart
     decays = -record.theta.real[others]
     energy = np.where(apart, np.sum(np.abs(weights[others]) ** 2, axis=1) / decays, 0.0)
     theta = complex(record.theta[others[int(np.argmax(energy))]])
