@@ -92,7 +92,7 @@ def released_at(values: RealArray, finest: RealArray) -> int:
 
 
 def releases_before(signal: Signal, time: Second) -> tuple[Second, ...]:
-    """Return when the motion before a time may have been let go: where a held mass is, and where prediction fails.
+    """Return the times of the first samples of free motion before a time: after a mass is held, after a force.
 
     A mass that was held shows both; one that was struck or pushed only the second.
 
@@ -102,11 +102,13 @@ def releases_before(signal: Signal, time: Second) -> tuple[Second, ...]:
     >>> free = np.exp(-0.01 * (time - 100)) * np.cos(0.1 * (time - 100))
     >>> values = np.where(time < 100, np.minimum(time / 20, 1.0), free)[None].round(4)
     >>> releases_before(Signal(start=0.0, step=0.01, values=values, channels=("mass",)), 2.0)
-    (1.0, 1.05)
+    (1.01, 1.05)
     """
     finest = finest_of(signal.values)
-    before, (_, free) = released_at(signal.values, finest), freed_at(signal.values, finest, step=signal.step)
-    times = dict.fromkeys(signal.start + signal.step * sample for sample in (before, free) if sample)
+    held, (_, forced) = released_at(signal.values, finest), freed_at(signal.values, finest, step=signal.step)
+    # It is let go between the last sample that is held and the next.
+    firsts = [*([held + 1] if held else []), *([forced] if forced else [])]
+    times = dict.fromkeys(signal.start + signal.step * sample for sample in firsts)
     return tuple(each for each in times if each < time)
 
 

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.errors import IdentificationError
 from suspid.identification.changing import with_changing
@@ -38,6 +39,11 @@ from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
     import control
+
+
+# A mode whose damping may be zero is determined if its frequency is known to this share: a line of a spectrum is. A
+# larger share takes the noise of short records for modes.
+VAGUE = 0.05
 
 
 class Forces(Enum):
@@ -112,19 +118,25 @@ def by_likelihood(
 def _described(
     bent: Bent, signal: Signal, count: int | None
 ) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...], tuple[Considered, ...]] | None:
-    """Return the modes under forces, how loud the residual is near each, their amplitudes, and the poles that grow.
+    """Return the modes under forces, how loud the residual is near each, their amplitudes, and the other poles.
 
-    Without a number of modes, one that grows over most of its amplitudes is none; None if no other is left.
+    Without a number of modes, one that grows over most of its amplitudes is none, nor one that is not determined; None
+    if no other is left.
     """
     modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
-    falls = np.array([count is not None or np.median(each.zeta) >= 0 for each in dependence], bool)
-    if falls.all():
+    if count is not None:
         return modes, loudness, dependence, ()
-    if not falls.any():
+    grows = np.array([np.median(each.zeta) < 0 for each in dependence], bool)
+    none = grows | _undetermined(modes)
+    if none.all():
         return None
-    growing = [Considered(pole=complex(p), remark=Remark(Reason.GROWING), removed=True) for p in modes.poles[~falls]]
-    kept = tuple(each for each, fall in zip(dependence, falls, strict=True) if fall)
-    return modes[falls], frozen_real(loudness[falls]), kept, tuple(growing)
+    reasons = [Reason.GROWING if each else Reason.UNKNOWN for each in grows[none]]
+    others = [
+        Considered(pole=complex(p), remark=Remark(r), removed=True)
+        for p, r in zip(modes.poles[none], reasons, strict=True)
+    ]
+    kept = tuple(each for each, left_out in zip(dependence, none, strict=True) if not left_out)
+    return modes[~none], frozen_real(loudness[~none]), kept, tuple(others)
 
 
 def _check_count(modes: ModalSet, count: int | None) -> None:
@@ -168,13 +180,22 @@ def _modes_of(
 
 
 def _fewer(selection: Selection, modes: ModalSet) -> Selection:
-    """Return the poles, of which multiples of a stronger mode, and those whose frequency may be zero, are no modes."""
+    """Return the poles, of which multiples of a stronger mode, and those that are not determined, are no modes."""
     kept = selection.modes
     fewer = without_harmonics(selection, modes)
-    if modes.wn_std is None or not np.any(unknown := (modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std)):
+    if not np.any(unknown := _undetermined(modes)):
         return fewer
     order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
     reasons = list(fewer.reasons)
     for k in order[unknown].tolist():
         reasons[k] = Reason.UNKNOWN
     return replace(fewer, reasons=tuple(reasons))
+
+
+def _undetermined(modes: ModalSet) -> NDArray[np.bool_]:
+    """Return which modes may have no frequency, or no damping at a frequency that is hardly known, (mode,)."""
+    if modes.wn_std is None or modes.zeta_std is None:
+        return np.zeros(len(modes), bool)
+    width = NORMAL_95 * modes.wn_std
+    vague = (width > VAGUE * modes.wn) & (np.abs(modes.zeta) < NORMAL_95 * modes.zeta_std)
+    return np.asarray((modes.poles.imag > 0) & ((width > modes.wn) | vague))

@@ -17,12 +17,13 @@ from suspid.identification.nonlinear.standing import explains, misses, stands, w
 from suspid.identification.nonlinear.structure import StructureFit, fitted
 from suspid.units import ComplexArray
 
-# One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
-# one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
+# One more mode beside forces must lower the residual of a channel by this factor, unless it leaves only noise: a force
+# that is not quite the true one leaves a residual that further poles follow. Lower: distortions become modes. Higher:
+# weak modes are lost.
 REDUCTION = 2.5
-# Steps of the motion up to which structures are fitted, those up to which friction is where none was found, and
+# Steps of the motion up to which structures are fitted, with friction, with friction where no force was found, and
 # channels: more take too long.
-LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 3000, 1500, 3
+LONGEST_FITTED, LONGEST_RUBBED, LONGEST_BLIND, MOST_MASSES = 4000, 3000, 1500, 3
 # Poles that differ by less than this share are the same start: steps of a fit go farther.
 ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
@@ -43,10 +44,10 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent):
         return None
     best: StructureFit | None = None
-    blind = LONGEST_FITTED if bent is not None else LONGEST_BLIND
+    rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
     for start in _starts(record, plain, bent):
         for order, kind in _kinds(record, start, bent):
-            longest = blind if kind is ForceKind.FRICTION else LONGEST_FITTED
+            longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
                 continue
             if best is None or not explains(best, highest):
@@ -114,7 +115,11 @@ def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
     energy = np.where(apart, np.sum(np.abs(weights[others]) ** 2, axis=1) / decays, 0.0)
     theta = complex(record.theta[others[int(np.argmax(energy))]])
     both = maximize(record.values, alone.drive.with_pole(theta), record.noise, steps=ROUGH_STEPS)
-    return both if both is not None and both.bic < alone.bic else None
+    if both is None or both.bic >= alone.bic:
+        return None
+    # What forces do to a strong mode may draw the pole of a weak one away: then it is found beside the forces.
+    stray = np.min(np.abs(np.log(np.abs(both.drive.theta / theta))))
+    return both if stray < np.log(OTHER_FREQUENCY) else None
 
 
 def _alike(one: ComplexArray, other: ComplexArray) -> bool:
@@ -139,16 +144,21 @@ def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
 def _with_mode(fit: StructureFit) -> StructureFit | None:
     """Return the fit with one more mode that explains most of the residual; None if there is none."""
     record = fit.record
-    best: StructureFit | None = None
+    found = list[StructureFit]()
     for theta in next_poles(fit.residual, fit.variance, record.noise):
         trial = fitted(_joined(fit, theta), steps=FIRST)
-        weights = trial.amplitudes / np.sqrt(trial.variance)
-        if trial.bic < (fit if best is None else best).bic and not repeated(
-            complex(trial.theta[-1]), weights[-1], trial.theta[:-1], weights[:-1], weak=0.0
-        ):
-            best = trial
-    best = None if best is None else fitted(best)
-    return best if best is not None and np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION else None
+        found += [fitted(trial)] if trial.bic < fit.bic and not _repeats(trial) else []
+    best = min((each for each in found if not _repeats(each)), key=lambda each: each.bic, default=None)
+    if best is None:
+        return None
+    enough = not misses(best) or np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION
+    return best if enough else None
+
+
+def _repeats(fit: StructureFit) -> bool:
+    """Return whether the last mode of a fit is a part or a multiple of another."""
+    weights = fit.amplitudes / np.sqrt(fit.variance)
+    return repeated(complex(fit.theta[-1]), weights[-1], fit.theta[:-1], weights[:-1], weak=0.0)
 
 
 def _joined(fit: StructureFit, theta: complex) -> StructureFit:

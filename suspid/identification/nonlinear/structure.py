@@ -22,8 +22,14 @@ from suspid.units import ComplexArray, RealArray
 JUMP = 3e-5
 # Relative change of each parameter for derivatives, and fall of the loss at which a fit ends.
 CHANGE, SETTLED = 1e-6, 0.1
-# Steps at most, and tries of each: a start without forces takes 4 to 8 steps.
-MOST_REFINED, TRIES = 15, 4
+# Steps at most, and tries of each: a start without forces takes 4 to 8 steps, along a narrow valley 20.
+MOST_REFINED, TRIES = 25, 6
+# Least damping after a refused step, and its factors after a refused and an accepted one: larger ones leave the valley
+# again and again.
+LEAST_DAMPING, MORE_DAMPING, LESS_DAMPING = 1e-3, 5.0, 5.0
+# Share of a step at which its bend is measured, and the largest bend that is followed, as a share of the step: that
+# of the reference.
+PROBE, MOST_BEND = 0.1, 0.375
 # A fit may make a motion take this many times the steps of its start: a pole that runs away would take minutes.
 MOST_STEPS_OVER = 2
 
@@ -144,38 +150,63 @@ def structure_of(
 
 
 def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
-    """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps."""
-    fit, damping, count = start, 1e-3, start.residual.shape[1]
-    longest = MOST_STEPS_OVER * steps_of(start.theta, count, start.structures.kind)
+    """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps.
+
+    Where the parameters of a force and those of a pole hardly differ, the likelihood falls along a narrow bent valley.
+    After a refused step, steps follow the bend: to first order in how the slopes change along them.
+
+    References
+    ----------
+    Transtrum, M. K. and Sethna, J. P. (2012). Improvements to the Levenberg-Marquardt algorithm for nonlinear
+    least-squares minimization. arXiv:1201.5885.
+    """
+    fit, damping, refused = start, LEAST_DAMPING, False
+    longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
     for _ in range(steps):
         slopes = fit.nearby.slopes(fit)
         scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
         unit = slopes * scale[:, None]
-        left = np.concatenate(
-            [
-                (fit.residual / np.sqrt(fit.variance)[:, None]).ravel(),
-                -(_jumps(fit.structures) / _least_jumps(fit.structures)).ravel(),
-            ]
-        )
+        left = -_weighted(fit, fit)
         information, gradient = unit @ unit.T, unit @ left
         if not (np.all(np.isfinite(information)) and np.all(np.isfinite(gradient))):
             return fit
         better, before = None, _cost(fit)
         for _ in range(TRIES):
-            step = np.linalg.lstsq(information + damping * np.eye(len(information)), gradient, rcond=None)[0] * scale
-            structures = _with_parameters(fit.structures, (_parameters(fit.structures) + step)[None])
-            possible = _possible(structures, fit) and steps_of(structures.theta[0], count, structures.kind) <= longest
-            trial = _evaluated(fit.record, structures, fit.order) if possible else None
+            damped = information + damping * np.eye(len(information))
+            step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
+            if refused:
+                near = _moved(fit, PROBE * step * scale, longest)
+                bend = None if near is None else 2 / PROBE * ((_weighted(near, fit) + left) / PROBE - step @ unit)
+                if bend is not None and np.all(np.isfinite(bend)):
+                    turn = -0.5 * np.linalg.lstsq(damped, unit @ bend, rcond=None)[0]
+                    step = step + turn if np.linalg.norm(turn) < MOST_BEND * np.linalg.norm(step) else step
+            trial = _moved(fit, step * scale, longest)
             if trial is not None and _cost(trial) < before:
                 better = trial
                 break
-            damping = max(30 * damping, 1e-3)
+            refused, damping = True, max(MORE_DAMPING * damping, LEAST_DAMPING)
         if better is None:
             return fit
-        fit, damping = better, damping / 10
+        fit, damping = better, damping / LESS_DAMPING
         if before - _cost(fit) < SETTLED:
             return fit
     return fit
+
+
+def _moved(fit: StructureFit, step: RealArray, longest: int) -> StructureFit | None:
+    """Return the fit with its parameters changed, None where its motion would take more steps than the longest."""
+    structures, count = (
+        _with_parameters(fit.structures, (_parameters(fit.structures) + step)[None]),
+        fit.residual.shape[1],
+    )
+    possible = _possible(structures, fit) and steps_of(structures.theta[0], count, structures.kind) <= longest
+    return _evaluated(fit.record, structures, fit.order) if possible else None
+
+
+def _weighted(fit: StructureFit, of: StructureFit) -> RealArray:
+    """Return the motion less the record, and the jumps, over the standard deviations of another fit."""
+    jumps = _jumps(fit.structures) / _least_jumps(of.structures)
+    return np.concatenate([(-fit.residual / np.sqrt(of.variance)[:, None]).ravel(), jumps.ravel()])
 
 
 def _possible(structures: Structures, before: StructureFit) -> bool:
