@@ -93,7 +93,7 @@ def by_likelihood(
         own = modes
         if np.any(selection.widening > 1):
             own, _ = _modes_of(alone, centred, noise, step=signal.step, channels=signal.channels)
-        fewer = selection if steps.count is not None else _fewer(selection, own)
+        fewer = selection if steps.count is not None else _fewer(selection, own, modes)
         if fewer is not selection:
             selection = fewer
             modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
@@ -127,7 +127,7 @@ def _described(
     if count is not None:
         return modes, loudness, dependence, ()
     grows = np.array([np.median(each.zeta) < 0 for each in dependence], bool)
-    none = grows | _undetermined(modes)
+    none = grows | _undetermined(modes) | _vague(modes)
     if none.all():
         return None
     reasons = [Reason.GROWING if each else Reason.UNKNOWN for each in grows[none]]
@@ -179,11 +179,11 @@ def _modes_of(
     return joint.modes(step=step, channels=channels), frozen_real(loudness[order])
 
 
-def _fewer(selection: Selection, modes: ModalSet) -> Selection:
+def _fewer(selection: Selection, own: ModalSet, modes: ModalSet) -> Selection:
     """Return the poles, of which multiples of a stronger mode, and those that are not determined, are no modes."""
     kept = selection.modes
-    fewer = without_harmonics(selection, modes)
-    if not np.any(unknown := _undetermined(modes)):
+    fewer = without_harmonics(selection, own)
+    if not np.any(unknown := _undetermined(own) | _vague(modes)):
         return fewer
     order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
     reasons = list(fewer.reasons)
@@ -193,9 +193,15 @@ def _fewer(selection: Selection, modes: ModalSet) -> Selection:
 
 
 def _undetermined(modes: ModalSet) -> NDArray[np.bool_]:
-    """Return which modes may have no frequency, or no damping at a frequency that is hardly known, (mode,)."""
+    """Return which modes may have no frequency, (mode,)."""
+    if modes.wn_std is None:
+        return np.zeros(len(modes), bool)
+    return np.asarray((modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std))
+
+
+def _vague(modes: ModalSet) -> NDArray[np.bool_]:
+    """Return which modes may have no damping, at a frequency that is hardly known, (mode,)."""
     if modes.wn_std is None or modes.zeta_std is None:
         return np.zeros(len(modes), bool)
-    width = NORMAL_95 * modes.wn_std
-    vague = (width > VAGUE * modes.wn) & (np.abs(modes.zeta) < NORMAL_95 * modes.zeta_std)
-    return np.asarray((modes.poles.imag > 0) & ((width > modes.wn) | vague))
+    rough = NORMAL_95 * modes.wn_std > VAGUE * modes.wn
+    return np.asarray((modes.poles.imag > 0) & rough & (np.abs(modes.zeta) < NORMAL_95 * modes.zeta_std))

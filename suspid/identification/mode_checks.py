@@ -52,8 +52,7 @@ def check_amplitudes(found: Identification) -> Iterator[Check]:
     swings = bool(np.min(found.modes.zeta) < np.log(2) / (2 * np.pi))
     yield check_of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
     for mode, each in enumerate(found.amplitude_dependence, 1):
-        # One amplitude shows no dependence.
-        if len(each.amplitude) < 2:
+        if not each.varies:
             continue
         (high_wn, high_zeta), (low_wn, low_zeta) = each.ends
         numbers: dict[str, Number] = {

@@ -36,8 +36,8 @@ def tables_of(found: Identification) -> str:
         parts += [str(found.modes), text_table(quality)]
     else:
         parts.append("no mode")
-    for mode, each in enumerate(found.amplitude_dependence, 1):
-        parts.append(text_table(_amplitude_columns(mode, each)))
+    varying = [(mode, each) for mode, each in enumerate(found.amplitude_dependence, 1) if each.varies]
+    parts += [text_table(_amplitude_columns(mode, each)) for mode, each in varying]
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
     channels = {

@@ -99,7 +99,7 @@ class Note(Code):
 class RecordCheck(Code):
     """Checks of the recording that the identification cannot see."""
 
-    DECAY = "decay", "{doubt}"
+    DECAY = "decay", sentence(lambda n: f"{str(n['doubt'])[:1].upper()}{str(n['doubt'])[1:]}.")
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     NO_SHARED_MODE = "no shared mode", "{tests} share no mode: they do not seem to be tests of one structure."
     SHARES_NO_MODE = (

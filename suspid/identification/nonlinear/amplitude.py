@@ -12,6 +12,7 @@ from suspid.identification.covariance import inverse_information
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
 from suspid.identification.nonlinear.swings import by_pole, cuts_of, mean_of, swings_of
+from suspid.levels import NORMAL_95
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
@@ -58,6 +59,15 @@ class AmplitudeDependence:
         """Natural frequency and damping ratio at the largest and at the smallest amplitude."""
         first, last = int(np.argmax(self.amplitude)), int(np.argmin(self.amplitude))
         return (float(self.wn[first]), float(self.zeta[first])), (float(self.wn[last]), float(self.zeta[last]))
+
+    @property
+    def varies(self) -> bool:
+        """Whether frequency or damping differs over the amplitudes by more than its 95 % interval.
+
+        Friction and springs that harden change both; a damper that differs in compression and rebound changes neither.
+        """
+        pairs = (self.wn, self.wn_std), (self.zeta, self.zeta_std)
+        return any(float(np.ptp(values)) > NORMAL_95 * float(np.max(stds)) for values, stds in pairs)
 
 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:

@@ -25,8 +25,8 @@ from suspid.identification.nonlinear.feedback import (
     without_forces,
 )
 from suspid.identification.nonlinear.own import next_poles, repeated
-from suspid.identification.nonlinear.signs import distorted
-from suspid.identification.nonlinear.standing import driven_stands, energies
+from suspid.identification.nonlinear.signs import distorted, overtones_alone
+from suspid.identification.nonlinear.standing import driven_stands, energies, misses
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
 
@@ -83,9 +83,9 @@ def _found(sought: _Sought) -> Bent | None:
     bent = _structure(values, noise, linear, found, modes=modes or MOST_MODES, highest=highest)
     if bent is not None:
         return bent
-    if found is None or modes is not None or distorted(selection):
+    if found is None or modes is not None or found.fit.bic < bic:
         return found
-    return found if found.fit.bic < bic else None
+    return found if distorted(selection) and not (misses(found.fit) and overtones_alone(selection)) else None
 
 
 def _structure(

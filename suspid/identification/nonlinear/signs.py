@@ -12,6 +12,8 @@ from suspid.words import Reason
 # A linear fit with none of these multiples of a mode has no higher ones from forces either: those are weaker. A pole at
 # four times another is a mode.
 FIRST_MULTIPLES = 3
+# Poles nearer to each other than this ratio may be parts of one mode that shifts with its amplitude.
+PART = 1.1
 # Unless its damping ratio is above this: what dies within a cycle belongs to the start of the motion.
 RINGS = 0.5
 
@@ -53,3 +55,13 @@ def distorted(selection: Selection) -> bool:
         )
         for k in range(len(pairs))
     )
+
+
+def overtones_alone(selection: Selection) -> bool:
+    """Return whether a linear fit leaves only noise and its pairs lie apart: none is a part of another that shifts.
+
+    Multiples, sums and differences of modes beside them tell of forces that change neither frequency nor damping.
+    """
+    size = np.sort(np.log(np.abs(selection.fit.poles.pairs)))
+    apart = bool(np.all(np.diff(size) > np.log(PART)))
+    return apart and bool(np.all(selection.loudness[selection.modes] <= 1))

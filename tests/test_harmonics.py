@@ -1,0 +1,55 @@
+"""Poles at sums and differences of modes: motion that is not quite linear, and modes that lie there by chance."""
+
+import numpy as np
+
+from suspid import Identification, identify
+from suspid.identification.harmonics import combination_of
+from suspid.records import as_response
+from suspid.words import Reason
+
+
+def found(hertz: list[float], sizes: list[float], rates: list[float]) -> Identification:
+    time = np.arange(2000) / 200
+    motions = zip(hertz, sizes, rates, strict=True)
+    values = sum(s * np.exp(-r * time) * np.cos(2 * np.pi * f * time) for f, s, r in motions)
+    noise = 1e-4 * np.random.default_rng(3).standard_normal((1, time.size))
+    return identify(as_response(time, values + noise, ["body"]))
+
+
+def reasons(one: Identification) -> dict[int, str]:
+    return {round(abs(c.pole) / (2 * np.pi)): c.reason for c in one.considered if c.removed}
+
+
+class TestCombinations:
+    def test_the_difference_of_modes_beside_a_harmonic_is_none(self) -> None:
+        one = found([3.0, 7.3, 6.0, 4.3], [1.0, 0.5, 0.02, 0.01], [0.2, 0.5, 0.4, 0.7])
+        assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0, 7.3]
+        assert reasons(one)[4] == "the difference of modes 1 and 2: their motion is nonlinear"
+        assert reasons(one)[6].startswith("2 times mode 1")
+
+    def test_without_a_harmonic_it_is_a_mode(self) -> None:
+        one = found([3.0, 7.3, 4.3], [1.0, 0.5, 0.01], [0.2, 0.5, 0.7])
+        assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0, 4.3, 7.3]
+
+    def test_one_that_decays_faster_than_both_is_a_mode(self) -> None:
+        one = found([3.0, 7.3, 6.0, 4.3], [1.0, 0.5, 0.02, 0.03], [0.2, 0.5, 0.4, 1.4])
+        assert 4.3 in np.round(one.modes.wn / (2 * np.pi), 1).tolist()
+
+    def test_the_nearest_is_named(self) -> None:
+        modes = found([3.0, 7.3], [1.0, 0.5], [0.2, 0.5]).modes
+        assert combination_of(modes, complex(-0.7, 2 * np.pi * 10.31)) == (1, 2, "sum")
+        assert combination_of(modes, complex(-0.7, 2 * np.pi * 4.32)) == (1, 2, "difference")
+
+
+def test_a_short_burst_has_no_mode_of_unknown_frequency_and_damping() -> None:
+    # Six poles fit the 86 samples of a phone that falls; four have neither.
+    time = np.arange(60) / 100
+    noise = 0.15 * np.random.default_rng(5).standard_normal((1, time.size))
+    values = np.exp(-3 * time) * np.cos(2 * np.pi * 6 * time) + noise
+    one = identify(as_response(time, values, ["body"]))
+    for mode in range(len(one.modes)):
+        assert one.modes.wn_std is not None
+        assert one.modes.zeta_std is not None
+        known = 1.96 * one.modes.wn_std[mode] < 0.05 * one.modes.wn[mode]
+        assert known or one.modes.zeta[mode] > 1.96 * one.modes.zeta_std[mode]
+    assert all(c.remark.code is not Reason.UNKNOWN or c.removed for c in one.considered)
