@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 # A mode whose damping may be zero is determined if its frequency is known to this share: a line of a spectrum is. A
 # larger share takes the noise of short records for modes.
 VAGUE = 0.05
+# The frequency of any mode is open if its interval is wider than this share of it to either side.
+OPEN = 0.5
 
 
 class Forces(Enum):
@@ -193,10 +195,10 @@ def _fewer(selection: Selection, own: ModalSet, modes: ModalSet) -> Selection:
 
 
 def _undetermined(modes: ModalSet) -> NDArray[np.bool_]:
-    """Return which modes may have no frequency, (mode,)."""
+    """Return which modes have a frequency that the record leaves open, (mode,)."""
     if modes.wn_std is None:
         return np.zeros(len(modes), bool)
-    return np.asarray((modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std))
+    return np.asarray((modes.poles.imag > 0) & (NORMAL_95 * modes.wn_std > OPEN * modes.wn))
 
 
 def _vague(modes: ModalSet) -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ class Reason(Code):
     LINE = "line", "part of a steady line: rotating parts of varying speed"
     PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
     UNSURE = "unsure", "its decay is not significant against the residual near it"
-    UNKNOWN = "unknown", "not determined: its damping may be zero, and its frequency is uncertain by more than 5 %"
+    UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
     BEGINNING = "beginning", "together with others it fits only the first samples: motion before the free decay"

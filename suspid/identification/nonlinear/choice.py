@@ -132,12 +132,16 @@ def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
     size = np.log(np.abs(plain.drive.theta))
     kept = list[int]()
     for index in np.argsort(-energy).tolist():
-        if len(kept) < 2 and np.all(np.abs(size[index] - size[kept]) > np.log(OTHER_FREQUENCY)):
+        # The middle of a swing that moves with its size is no mode: it does not turn.
+        turns = plain.drive.theta[index].imag > -plain.drive.theta[index].real
+        if turns and len(kept) < 2 and np.all(np.abs(size[index] - size[kept]) > np.log(OTHER_FREQUENCY)):
             kept.append(index)
     fewer = plain.drive
     for index in reversed(range(len(size))):
         fewer = fewer if index in kept else fewer.without_pole(index)
-    less = None if fewer is plain.drive else maximize(record.values, fewer, record.noise, steps=ROUGH_STEPS)
+    less = None
+    if kept and fewer is not plain.drive:
+        less = maximize(record.values, fewer, record.noise, steps=ROUGH_STEPS)
     return plain if less is None else less
 
 
