@@ -139,8 +139,9 @@ class TestTwoMassesWithCubicSprings:
         assert modes.wn_std is not None
         assert np.all(np.abs(modes.wn - wn) < 3 * modes.wn_std)
 
-    # Along valleys that steps of fixed direction leave, beside a weak second mode, with one near a multiple of the first,
-    # and beside a pole that does not turn: files of the simulator in `validation`, which shares nothing with the library.
+    # Along valleys that steps of fixed direction leave, beside a weak second mode, with one near a multiple of the
+    # first, and beside a pole that does not turn: files of the simulator in `validation`, which shares nothing with the
+    # library.
     @pytest.mark.parametrize(
         ("kind", "seed"), [("cubic", 3200033), ("cubic", 3200022), ("bilinear", 3200015), ("bilinear", 3300014)]
     )
