@@ -13,7 +13,7 @@ import numpy as np
 
 from suspid.identification.noise import degrees_of_freedom
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import OF_SPEED, Force
+from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind
 from suspid.identification.nonlinear.motion import Motion, Structures, motion_of, steps_of
 from suspid.units import ComplexArray, RealArray
 
@@ -22,16 +22,30 @@ from suspid.units import ComplexArray, RealArray
 JUMP = 3e-5
 # Relative change of each parameter for derivatives, and fall of the loss at which a fit ends.
 CHANGE, SETTLED = 1e-6, 0.1
-# Steps at most, and tries of each: a start without forces takes 4 to 8 steps, along a narrow valley 20.
-MOST_REFINED, TRIES = 25, 6
-# Least damping after a refused step, and its factors after a refused and an accepted one: larger ones leave the valley
-# again and again.
-LEAST_DAMPING, MORE_DAMPING, LESS_DAMPING = 1e-3, 5.0, 5.0
+# Least damping after a refused step.
+LEAST_DAMPING = 1e-3
 # Share of a step at which its bend is measured, and the largest bend that is followed, as a share of the step: that
 # of the reference.
 PROBE, MOST_BEND = 0.1, 0.375
 # A fit may make a motion take this many times the steps of its start: a pole that runs away would take minutes.
 MOST_STEPS_OVER = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """How a fit proceeds: steps at most, tries of each, and what divides the damping after a step, or multiplies it."""
+
+    most: int
+    tries: int
+    less: float
+    more: float
+    bends: bool  # whether steps follow the bend of a valley
+
+
+# A start without forces takes 4 to 8 steps, along a narrow valley 20; larger factors leave the valley again and again.
+SMOOTH = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
+# Where friction holds a mass the likelihood has no bend, and each motion takes ten times as long.
+RUBBED = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -149,7 +163,7 @@ def structure_of(
     return _evaluated(record, replace(plain, scales=scales), order)
 
 
-def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
+def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
     """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps.
 
     Where the parameters of a force and those of a pole hardly differ, the likelihood falls along a narrow bent valley.
@@ -161,8 +175,9 @@ def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
     least-squares minimization. arXiv:1201.5885.
     """
     fit, damping, refused = start, LEAST_DAMPING, False
+    pace = RUBBED if start.structures.kind is ForceKind.FRICTION else SMOOTH
     longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
-    for _ in range(steps):
+    for _ in range(pace.most if steps is None else steps):
         slopes = fit.nearby.slopes(fit)
         scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
         unit = slopes * scale[:, None]
@@ -171,10 +186,10 @@ def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
         if not (np.all(np.isfinite(information)) and np.all(np.isfinite(gradient))):
             return fit
         better, before = None, _cost(fit)
-        for _ in range(TRIES):
+        for _ in range(pace.tries):
             damped = information + damping * np.eye(len(information))
             step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
-            if refused:
+            if refused and pace.bends:
                 near = _moved(fit, PROBE * step * scale, longest)
                 bend = None if near is None else 2 / PROBE * ((_weighted(near, fit) + left) / PROBE - step @ unit)
                 if bend is not None and np.all(np.isfinite(bend)):
@@ -184,10 +199,10 @@ def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
             if trial is not None and _cost(trial) < before:
                 better = trial
                 break
-            refused, damping = True, max(MORE_DAMPING * damping, LEAST_DAMPING)
+            refused, damping = True, max(pace.more * damping, LEAST_DAMPING)
         if better is None:
             return fit
-        fit, damping = better, damping / LESS_DAMPING
+        fit, damping = better, damping / pace.less
         if before - _cost(fit) < SETTLED:
             return fit
     return fit
