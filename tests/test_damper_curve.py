@@ -87,6 +87,15 @@ class TestCurves:
         assert not curve.linear
         assert "is not a straight line" in str(curve.verdict.headline)
 
+    def test_steps_that_differ_by_rounding_are_one_rate(self) -> None:
+        """Two stretches of a drive, each with the step of its own stamps: of their spectra the same lines count."""
+        whole = record("linear")
+        halves = [
+            as_response(step * np.arange(2000), whole.outputs[:, use], CHANNELS)
+            for step, use in ((0.005, slice(0, 2000)), (0.005 * (1 + 8e-11), slice(2000, 4000)))
+        ]
+        assert abs(damper_curve(halves, CAR, strut="chassis").stiffness - 22e3) < 0.02 * 22e3
+
     def test_a_viscous_damper_is_a_line(self) -> None:
         curve = found("linear")
         assert curve.linear
