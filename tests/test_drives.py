@@ -167,7 +167,12 @@ class TestUnitsInNames:
         found = find_drives(ride(channel("az", body()), across), channels=["az"])
         assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
 
-    @pytest.mark.parametrize(("name", "factor"), [("AccelZ_g", 9.80665), ("accel_z_ms2", 1.0), ("Accel Z m/s2", 1.0)])
+    @pytest.mark.parametrize(
+        ("name", "factor"),
+        [("AccelZ_g", 9.80665), ("accel_z_ms2", 1.0), ("Accel Z m/s2", 1.0), ("Accel Z milli g", 9.80665e-3),
+         ("accel_z_milli-g", 9.80665e-3), ("accel_z_mg", 9.80665e-3), ("AccelZ_cm_s2", 0.01), ("accel_z_gal", 0.01),
+         ("accel_z_ft/s^2", 0.3048)],
+    )  # fmt: skip
     def test_a_suffix_tells_what_is_measured(self, name: str, factor: float) -> None:
         """From the least vibration of a car that moves on."""
         level = DriveLimits().least_vibration / np.sqrt(14 / (RATE / 2))
