@@ -91,7 +91,7 @@ class TestCurves:
         """Two stretches of a drive, each with the step of its own stamps: of their spectra the same lines count."""
         whole = record("linear")
         halves = [
-            as_response(step * np.arange(2000), whole.outputs[:, use], CHANNELS)
+            as_response(step * np.arange(2000, dtype=float), whole.outputs[:, use], CHANNELS)
             for step, use in ((0.005, slice(0, 2000)), (0.005 * (1 + 8e-11), slice(2000, 4000)))
         ]
         assert abs(damper_curve(halves, CAR, strut="chassis").stiffness - 22e3) < 0.02 * 22e3

@@ -91,9 +91,9 @@ class DriveRemark(Code):
         "too short",
         sentence(
             lambda n: (
-                f"The longest usable stretch has {n['longest']:.3g} s of the {n['least']:g} s that one must have. Record "
-                f"a longer drive at steady speed, or allow shorter stretches ({Argument('shortest')}), whose intervals "
-                f"are wider."
+                f"The longest usable stretch has {n['longest']:.3g} s of the {n['least']:g} s that one must have. "
+                f"Record a longer drive at steady speed, or allow shorter stretches ({Argument('shortest')}), whose "
+                f"intervals are wider."
             )
         ),
     )
