@@ -208,6 +208,20 @@ class TestBraking:
         found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
         assert (DriveReason.BRAKING in why(found, 54.0)) is not usable
 
+    @pytest.mark.parametrize("lateral", [True, False])
+    def test_an_acceleration_beside_a_lateral_one_is_that_along_the_car(self, lateral: bool) -> None:
+        """Racing loggers write "Acceleration Gs" and "Lateral Gs"; alone, the first may be any."""
+        along = channel("Acceleration Gs", np.where((TIME > 50) & (TIME < 60), 0.3, 0.0), "G")
+        across = [channel("Lateral Gs", 0.0 * TIME, "G")] if lateral else []
+        found = find_drives(ride(channel("az", body()), along, *across), channels=["az"])
+        assert ends(found) == ([(0.0, 50.0), (60.0, 120.0)] if lateral else [(0.0, 120.0)])
+
+    @pytest.mark.parametrize("name", ["Inline Acceleration", "Längsbeschleunigung", "G Force Long"])
+    def test_by_names_of_other_loggers(self, name: str) -> None:
+        along = channel(name, np.where((TIME > 50) & (TIME < 60), 0.3, 0.0), "g")
+        found = find_drives(ride(channel("az", body()), along), channels=["az"])
+        assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
+
     @pytest.mark.parametrize("name", ["longitudinal", "LongAcc"])
     def test_by_an_accelerometer_that_is_tilted(self, name: str) -> None:
         along = 0.9 + np.where((TIME > 50) & (TIME < 55), -3.0, 0.0) + body(2)
