@@ -306,6 +306,26 @@ class TestResult:
         assert np.isin(np.round(curve.totals[-1], 9), np.round(drawn, 9))
 
 
+class TestForceOnTheBody:
+    def test_it_is_not_taken_for_stiffness(self) -> None:
+        """60 N between 1 and 3 Hz move a linear car: by superposition, as its transfer functions say."""
+        one, rng = record("linear"), np.random.default_rng(4)
+        count = one.outputs.shape[1]
+        f = np.fft.rfftfreq(count, 0.005)
+        force = np.where((f > 1) & (f < 3), rng.standard_normal(f.size) + 1j * rng.standard_normal(f.size), 0)
+        force *= 60.0 / np.std(np.fft.irfft(force, count))
+        s = 2j * np.pi * f
+        strut, tire = 1300 * s + 22e3, 60 * s + 210e3
+        body, wheel = 350 * s**2 + strut, 50 * s**2 + strut + tire
+        moved = np.array([wheel, strut]) / (body * wheel - strut**2) * s**2 * force
+        pushed = as_response(one.time, one.outputs + np.fft.irfft(moved, count, axis=1), CHANNELS)
+        curve = damper_curve(pushed, CAR, strut="chassis")
+        # Four standard deviations of 20 s. With noise in both signals alone, nothing is determined.
+        assert abs(curve.stiffness - 22e3) < min(4 * curve.stiffness_std, 0.02 * 22e3)
+        assert np.all(np.abs(curve.forces - 1300 * curve.velocities) < 4 * curve.std + 1e-9)
+        assert not curve.explains
+
+
 class TestRefusals:
     @pytest.mark.parametrize(
         ("changes", "error", "message"),
