@@ -101,7 +101,7 @@ def first_spline(motion: StrutMotion) -> RealArray:
     acceleration = motion.motion - motion.share * motion.force
     f = np.fft.rfftfreq(len(acceleration), motion.step)
     lines = np.fft.rfft(acceleration - np.mean(acceleration))
-    lines[1:] *= pass_high(f[1:]) / (2j * np.pi * f[1:]) ** 2
+    lines[1:] *= pass_high(np.asarray(f[1:], float)) / (2j * np.pi * f[1:]) ** 2
     lines[0] = 0
     return spline_through(np.fft.irfft(lines, len(acceleration)))
 

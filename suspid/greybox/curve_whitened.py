@@ -99,7 +99,7 @@ def _sides(motion: StrutMotion, shape: Shape, noise: float) -> tuple[RealArray, 
 
 def _velocity_error(noise: float, step: Second, count: int) -> MetrePerSecond:
     """Return the standard deviation of a velocity that is integrated from white noise above the lowest frequency."""
-    f = np.fft.rfftfreq(count, step)[1:]
+    f = np.asarray(np.fft.rfftfreq(count, step)[1:], float)
     return float(np.sqrt(np.sum((pass_high(f) / (2 * np.pi * f)) ** 2) * f[0] * 2 * step) * noise)
 
 
@@ -107,7 +107,9 @@ def _above(signals: RealArray, step: Second) -> RealArray:
     """Return signals above the lowest frequency, as the motion is, (sample, column)."""
     count = len(signals)
     lines = np.fft.rfft(signals - np.mean(signals, axis=0), 2 * count, axis=0)
-    return np.asarray(np.fft.irfft(lines * pass_high(np.fft.rfftfreq(2 * count, step))[:, None], axis=0)[:count])
+    return np.asarray(
+        np.fft.irfft(lines * pass_high(np.asarray(np.fft.rfftfreq(2 * count, step), float))[:, None], axis=0)[:count]
+    )
 
 
 def _predictor(residuals: Sequence[RealArray], memory: int) -> RealArray:
