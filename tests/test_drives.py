@@ -522,6 +522,11 @@ class TestChannelsOfALogger:
         assert as_signal(found.records[0]).channels == ("az",)
         assert f"Left out, because not known to show vibration of the car: '{name}'" in str(found)
 
+    @pytest.mark.parametrize("name", ["Accel Position", "accel_pedal", "AccelPos"])
+    def test_the_pedal_of_a_car_is_no_acceleration(self, name: str) -> None:
+        found = find_drives(ride(channel("az", body()), channel(name, 50 + 30 * np.sin(TIME), "")))
+        assert found.records[0].output_labels == ["az"]
+
     def test_a_speed_that_is_held_among_the_channels_is_the_speed(self) -> None:
         """Satellites say it once a second; a steady one stays at its largest value for long."""
         speed = channel("locationSpeed", np.where(TIME < 40, 1.0, np.minimum(20 + self.HELD, 21)), "m/s")
