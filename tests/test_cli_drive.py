@@ -413,12 +413,41 @@ class TestShort:
     def test_a_file_that_is_too_short_is_named(self, folder: Path) -> None:
         times, channels = drive()
         good = write(folder / "good.csv", times, channels)
-        for rows, words in ((1, "only 1 sample"), (5, "too short for a drive")):
-            short = write(folder / "short.csv", times[:rows], {name: row[:rows] for name, row in channels.items()})
-            done = run("drive", good, short, "--car", folder / "car.toml")
-            assert done.exit_code == 1
-            assert "short.csv: " in done.output
-            assert words in done.output
+        short = write(folder / "short.csv", times[:1], {name: row[:1] for name, row in channels.items()})
+        done = run("drive", good, short, "--car", folder / "car.toml")
+        assert done.exit_code == 1
+        assert "short.csv: " in done.output
+        assert "only 1 sample" in done.output
+
+    @pytest.mark.parametrize("beside", [True, False])
+    def test_one_that_cannot_be_judged_is_a_stretch_that_is_left(self, folder: Path, beside: bool) -> None:
+        """It does not keep others from being used."""
+        times, channels = drive()
+        good = write(folder / "good.csv", times, channels)
+        short = write(folder / "short.csv", times[:20], {name: row[:20] for name, row in channels.items()})
+        done = run("drive", *([good] if beside else []), short, "--car", folder / "car.toml")
+        assert done.exit_code == 0, done.output
+        assert "too short for a drive" in done.output
+        assert ("chassis.damping" in done.output) is beside
+        assert ("There is no result" in done.output) is not beside
+
+    def test_it_is_said_what_is_missing(self, folder: Path) -> None:
+        times, channels = drive()
+        inside = (times >= 60) & (times < 66)
+        short = write(folder / "short.csv", times[inside], {name: row[inside] for name, row in channels.items()})
+        done = run("drive", short, "--car", folder / "car.toml")
+        assert done.exit_code == 0
+        assert "The longest usable stretch has 6 s of the 10 s that one must have" in done.output
+        assert "(--shortest)" in done.output
+
+    def test_stretches_are_shown_where_no_car_can_be_estimated(self, folder: Path) -> None:
+        """As with the sensor of the body logged under the name of the wheel."""
+        times, channels = drive()
+        twice = {**channels, "tire_acceleration": channels["chassis_acceleration"]}
+        done = run("drive", write(folder / "drive.csv", times, twice), "--car", folder / "car.toml")
+        assert done.exit_code == 0, done.output
+        for text in ("moving at", "Springs and dampers were not found: ", "check the names of the channels"):
+            assert text in done.output
 
     def test_a_stretch_outside_the_recording(self, folder: Path) -> None:
         done = run("drive", write(folder / "drive.csv", *drive()), "--from", 1e6)

@@ -87,6 +87,15 @@ class TestCurves:
         assert not curve.linear
         assert "is not a straight line" in str(curve.verdict.headline)
 
+    def test_steps_that_differ_by_rounding_are_one_rate(self) -> None:
+        """Two stretches of a drive, each with the step of its own stamps: of their spectra the same lines count."""
+        whole = record("linear")
+        halves = [
+            as_response(step * np.arange(2000, dtype=float), whole.outputs[:, use], CHANNELS)
+            for step, use in ((0.005, slice(0, 2000)), (0.005 * (1 + 8e-11), slice(2000, 4000)))
+        ]
+        assert abs(damper_curve(halves, CAR, strut="chassis").stiffness - 22e3) < 0.02 * 22e3
+
     def test_a_viscous_damper_is_a_line(self) -> None:
         curve = found("linear")
         assert curve.linear
@@ -295,6 +304,26 @@ class TestResult:
         ax = plot_damper_curve(curve, Figure().subplots())
         drawn = np.concatenate([line.get_ydata() for line in ax.get_lines()])
         assert np.isin(np.round(curve.totals[-1], 9), np.round(drawn, 9))
+
+
+class TestForceOnTheBody:
+    def test_it_is_not_taken_for_stiffness(self) -> None:
+        """60 N between 1 and 3 Hz move a linear car: by superposition, as its transfer functions say."""
+        one, rng = record("linear"), np.random.default_rng(4)
+        count = one.outputs.shape[1]
+        f = np.fft.rfftfreq(count, 0.005)
+        force = np.where((f > 1) & (f < 3), rng.standard_normal(f.size) + 1j * rng.standard_normal(f.size), 0)
+        force *= 60.0 / np.std(np.fft.irfft(force, count))
+        s = 2j * np.pi * f
+        strut, tire = 1300 * s + 22e3, 60 * s + 210e3
+        body, wheel = 350 * s**2 + strut, 50 * s**2 + strut + tire
+        moved = np.array([wheel, strut]) / (body * wheel - strut**2) * s**2 * force
+        pushed = as_response(one.time, one.outputs + np.fft.irfft(moved, count, axis=1), CHANNELS)
+        curve = damper_curve(pushed, CAR, strut="chassis")
+        # Four standard deviations of 20 s. With noise in both signals alone, nothing is determined.
+        assert abs(curve.stiffness - 22e3) < min(4 * curve.stiffness_std, 0.02 * 22e3)
+        assert np.all(np.abs(curve.forces - 1300 * curve.velocities) < 4 * curve.std + 1e-9)
+        assert not curve.explains
 
 
 class TestRefusals:

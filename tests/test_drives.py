@@ -167,7 +167,12 @@ class TestUnitsInNames:
         found = find_drives(ride(channel("az", body()), across), channels=["az"])
         assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
 
-    @pytest.mark.parametrize(("name", "factor"), [("AccelZ_g", 9.80665), ("accel_z_ms2", 1.0), ("Accel Z m/s2", 1.0)])
+    @pytest.mark.parametrize(
+        ("name", "factor"),
+        [("AccelZ_g", 9.80665), ("accel_z_ms2", 1.0), ("Accel Z m/s2", 1.0), ("Accel Z milli g", 9.80665e-3),
+         ("accel_z_milli-g", 9.80665e-3), ("accel_z_mg", 9.80665e-3), ("AccelZ_cm_s2", 0.01), ("accel_z_gal", 0.01),
+         ("accel_z_ft/s^2", 0.3048)],
+    )  # fmt: skip
     def test_a_suffix_tells_what_is_measured(self, name: str, factor: float) -> None:
         """From the least vibration of a car that moves on."""
         level = DriveLimits().least_vibration / np.sqrt(14 / (RATE / 2))
@@ -202,6 +207,20 @@ class TestBraking:
         speed = 25 - rate * np.clip(TIME - 50, 0, 8)
         found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
         assert (DriveReason.BRAKING in why(found, 54.0)) is not usable
+
+    @pytest.mark.parametrize("lateral", [True, False])
+    def test_an_acceleration_beside_a_lateral_one_is_that_along_the_car(self, lateral: bool) -> None:
+        """Racing loggers write "Acceleration Gs" and "Lateral Gs"; alone, the first may be any."""
+        along = channel("Acceleration Gs", np.where((TIME > 50) & (TIME < 60), 0.3, 0.0), "G")
+        across = [channel("Lateral Gs", 0.0 * TIME, "G")] if lateral else []
+        found = find_drives(ride(channel("az", body()), along, *across), channels=["az"])
+        assert ends(found) == ([(0.0, 50.0), (60.0, 120.0)] if lateral else [(0.0, 120.0)])
+
+    @pytest.mark.parametrize("name", ["Inline Acceleration", "Längsbeschleunigung", "G Force Long"])
+    def test_by_names_of_other_loggers(self, name: str) -> None:
+        along = channel(name, np.where((TIME > 50) & (TIME < 60), 0.3, 0.0), "g")
+        found = find_drives(ride(channel("az", body()), along), channels=["az"])
+        assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
 
     @pytest.mark.parametrize("name", ["longitudinal", "LongAcc"])
     def test_by_an_accelerometer_that_is_tilted(self, name: str) -> None:
@@ -502,6 +521,11 @@ class TestChannelsOfALogger:
         assert ends(found) == [(0.0, 120.0)]
         assert as_signal(found.records[0]).channels == ("az",)
         assert f"Left out, because not known to show vibration of the car: '{name}'" in str(found)
+
+    @pytest.mark.parametrize("name", ["Accel Position", "accel_pedal", "AccelPos"])
+    def test_the_pedal_of_a_car_is_no_acceleration(self, name: str) -> None:
+        found = find_drives(ride(channel("az", body()), channel(name, 50 + 30 * np.sin(TIME), "")))
+        assert found.records[0].output_labels == ["az"]
 
     def test_a_speed_that_is_held_among_the_channels_is_the_speed(self) -> None:
         """Satellites say it once a second; a steady one stays at its largest value for long."""

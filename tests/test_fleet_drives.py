@@ -129,7 +129,7 @@ class TestRows:
             assert row["speed_m_per_s"] == pytest.approx(20, rel=1e-3)
 
     def test_they_are_those_of_one_drive_alone(self, fleet: Path, rows: list[dict[str, Any]]) -> None:
-        row = rows[0]
+        row = next(row for row in rows if row["verdict"] != "none")
         found = analyse_drive(fleet / row["record"], car=CAR, curves=False)
         assert found.estimate is not None
         assert found.wear is not None

@@ -146,6 +146,9 @@ class TestScales:
             (1, "mrad", 1e-3, "rad"), (1, "mm/m", 1e-3, "strain"), (1, "cm", 0.01, "m"), (1, "dm", 0.1, "m"),
             (1, "nm", 1e-9, "m"), (1, "um", 1e-6, "m"), (1, "mm/s", 1e-3, "m/s"), (1, "cm/s^2", 0.01, "m/s2"),
             (2, "kN", 2000, "N"), (1, "kn", 1852 / 3600, "m/s"), (3, "N", 3, "N"),
+            (1, "milli-g", 9.80665e-3, "m/s2"), (1, "milli g", 9.80665e-3, "m/s2"), (1, "mG", 9.80665e-3, "m/s2"),
+            (1, "mGal", 1e-5, "m/s2"), (1, "cm/s²", 0.01, "m/s2"), (1, "ft/s^2", 12 * 0.0254, "m/s2"),
+            (1, "g-force", 9.80665, "m/s2"), (1, "Millimeters", 1e-3, "m"), (1, "inches", 0.0254, "m"),
         ],
     )  # fmt: skip
     def test_units(self, value: float, unit: str, expected: float, si: str) -> None:

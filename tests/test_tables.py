@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from suspid import RecordError, SuspidError
+from suspid.cleaning.conversions import FACTORS
 from suspid.io.names import bracketed_unit, stated_rate
 from suspid.io.read_recording import read_recording
 from suspid.io.text.columns import UNIT
@@ -422,6 +423,15 @@ class TestHeader:
     def test_units_are_known_as_such(self, unit: str) -> None:
         assert UNIT.fullmatch(unit)
         assert bracketed_unit(f"a seat [{unit}]") == unit
+
+    def test_every_unit_that_is_converted_is_known_below_the_names(self, tmp_path: Path) -> None:
+        usual = {"n": "N", "kn_force": "kN", "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "v": "V", "mv": "mV"}
+        units = [usual.get(unit, unit) for unit in FACTORS]
+        names = [f"channel {k}" for k in range(len(units))]
+        rows = [",".join([f"{0.01 * k:.2f}", *["1.5"] * len(units)]) for k in range(3)]
+        found = read(tmp_path, "\n".join([",".join(["time", *names]), ",".join(["", *units]), *rows, ""]))
+        assert [channel.unit for channel in found.channels] == units
+        assert found.names == tuple(names)
 
     @pytest.mark.parametrize("name", ["seat", "acc1", "body z", "left_m", "Channel 3"])
     def test_names_are_no_units(self, name: str) -> None:

@@ -14,7 +14,7 @@ from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.settings import Settings
 from suspid.arguments import explained
-from suspid.errors import InputError, RecordError
+from suspid.errors import EstimationError, InputError, RecordError
 from suspid.files import naming, printable
 from suspid.greybox import (
     DamperCurve,
@@ -63,7 +63,8 @@ def analyse_drive(
     was measured, springs and dampers are estimated over all stretches jointly (`estimate`, with the wheels given), the
     curve of each damper is found (`damper_curve`), and its wear and its wheel's grip are judged (`wear`). Where only
     the body was measured, its frequencies are found (`body_modes`); damping is not, because the road is not known.
-    Usable stretches that are too short for that are a result without frequencies, which says so.
+    Usable stretches that do not determine springs and dampers give frequencies, and those that are too short for
+    frequencies are a result without them; the result says so.
 
     Parameters
     ----------
@@ -101,7 +102,7 @@ def analyse_drive(
     Raises
     ------
     SuspidError
-        If a file cannot be read, or no car can be estimated; see `find_drives` and `estimate`.
+        If a file cannot be read, or does not fit the car; see `find_drives` and `estimate`.
 
     Examples
     --------
@@ -142,17 +143,20 @@ def analyse_drive(
     wheels = () if car is None else wheels_of(car)
     missing = () if car is None else _missing(car, drives)
     step("estimating")
+    notes = [Check(Remark(DriveRemark.NO_WHEELS, {"names": missing}), Level.NOTE)] if missing else []
     if car is not None and wheels and not missing:
         rolling = _rolling(drives, road, wheel_radius)
-        return _with_dampers(
-            drives, car, {**dict(unknowns or {}), **rolling}, (before, curves_before), step if curves else None
-        )
-    if road is not None or before:
+        try:
+            return _with_dampers(
+                drives, car, {**dict(unknowns or {}), **rolling}, (before, curves_before), step if curves else None
+            )
+        except (RecordError, EstimationError) as error:
+            notes.append(Check(Remark(DriveRemark.NO_SPRINGS, {"why": error.wording}), Level.CARE))
+    elif road is not None or before:
         raise InputError(
             "road and before need springs and dampers: give a car, and a channel for the motion of each wheel"
             + (f" (not shown: {', '.join(missing)})" if missing else "")
         )
-    notes = [Check(Remark(DriveRemark.NO_WHEELS, {"names": missing}), Level.NOTE)] if missing else []
     try:
         body = body_modes(records, car=car)
     except RecordError as error:

@@ -29,7 +29,8 @@ FACTORS: dict[str, tuple[float, str]] = {
     "m/s": (1.0, "m/s"), "cm/s": (1e-2, "m/s"), "mm/s": (1e-3, "m/s"), "in/s": (INCH, "m/s"), "ips": (INCH, "m/s"),
     "ft/s": (12 * INCH, "m/s"), "km/h": (1 / 3.6, "m/s"), "kph": (1 / 3.6, "m/s"), "mph": (0.44704, "m/s"),
     "kn": (1852 / 3600, "m/s"),
-    "m/s2": (1.0, "m/s2"), "cm/s2": (1e-2, "m/s2"), "gal": (1e-2, "m/s2"), "mm/s2": (1e-3, "m/s2"),
+    "m/s2": (1.0, "m/s2"), "cm/s2": (1e-2, "m/s2"), "gal": (1e-2, "m/s2"), "mgal": (1e-5, "m/s2"),
+    "mm/s2": (1e-3, "m/s2"),
     "in/s2": (INCH, "m/s2"), "ft/s2": (12 * INCH, "m/s2"),
     "g": (STANDARD_GRAVITY, "m/s2"), "gn": (STANDARD_GRAVITY, "m/s2"), "g0": (STANDARD_GRAVITY, "m/s2"),
     "mg": (1e-3 * STANDARD_GRAVITY, "m/s2"), "ug": (1e-6 * STANDARD_GRAVITY, "m/s2"),
@@ -45,6 +46,14 @@ FACTORS: dict[str, tuple[float, str]] = {
     "v": (1.0, "V"), "mv": (1e-3, "V"),
 }  # fmt: skip
 
+# Units in words, as files spell them besides.
+IN_WORDS = {
+    "milli-g": "mg", "millig": "mg", "milligee": "mg", "micro-g": "ug", "microg": "ug", "gee": "g", "g-force": "g",
+    "gforce": "g", "milligal": "mgal", "metre": "m", "metres": "m", "meter": "m", "meters": "m", "millimetre": "mm",
+    "millimetres": "mm", "millimeter": "mm", "millimeters": "mm", "centimetre": "cm", "centimetres": "cm",
+    "centimeter": "cm", "centimeters": "cm", "inches": "inch", "mils": "mil", "feet": "ft", "volt": "v", "volts": "v",
+    "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
+}  # fmt: skip
 
 # Units of temperature, which nothing here needs.
 OF_TEMPERATURE = {"°c", "degc", "celsius", "°f", "degf", "fahrenheit", "k", "kelvin"}
@@ -86,7 +95,7 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     if plain in TORQUES:
         raise InputError(f"the unit {printable(unit)!r} is one of torque, which is not converted")
     # kN and kn (knot), N and n: the only units that differ in case alone.
-    key = "kn_force" if plain == "kN" else plain if plain in FACTORS else plain.lower()
+    key = "kn_force" if plain == "kN" else plain if plain in FACTORS else IN_WORDS.get(plain.lower(), plain.lower())
     if key in OF_TEMPERATURE:
         raise InputError(f"the unit {printable(unit)!r} is one of temperature, which is not converted")
     if key not in FACTORS:

@@ -15,6 +15,8 @@ WORDS = (
     (re.compile(r"vel|velo|velocity|geschwindigkeit"), "velocity"),
     (re.compile(r"acc|accel|acceleration|accelerometer|beschleunigung"), "acceleration"),
 )
+# Beside an acceleration, words of the pedal of that name.
+PEDAL_WORDS = {"position", "pos", "pedal", "ped"}
 ORDER_OF_QUANTITY = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
@@ -25,12 +27,15 @@ def named_quantity(name: str) -> str:
     --------
     >>> [named_quantity(name) for name in ("acc_body", "Disp1", "chassisVelocity", "seat", "account")]
     ['acceleration', 'displacement', 'velocity', '', '']
+    >>> named_quantity("Accel Position")
+    ''
     """
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", bare_name(name)).lower()
-    for word in re.split(r"[\W\d_]+", apart):
+    called = re.split(r"[\W\d_]+", apart)
+    for word in called:
         for words, quantity in WORDS:
             if words.fullmatch(word):
-                return quantity
+                return "" if quantity == "acceleration" and PEDAL_WORDS & set(called) else quantity
     return ""
 
 

@@ -47,6 +47,7 @@ ARGUMENTS_AS_OPTIONS = {
     "road": "--road",
     "robust": "--robust",
     "scale": "--scale",
+    "shortest": "--shortest",
     "speed": "--speed",
     "speed_unit": "--speed-unit",
     "start": "--from",

@@ -10,11 +10,13 @@ import numpy as np
 from suspid.cleaning import MOST_FILLED, Aligned, aligned, clipped_times, stuck_times
 from suspid.errors import RecordError
 from suspid.greybox.drive_limits import DriveLimits
+from suspid.greybox.drives import Drive
 from suspid.greybox.shaken import Shaken, usually_held
 from suspid.greybox.speeds import KMH, Going, Way, going
 from suspid.recordings import RawChannel
 from suspid.signals import PASSED
 from suspid.units import Flags, RealArray, Second
+from suspid.words import Remark
 from suspid.words.drives import DriveReason
 
 
@@ -43,8 +45,8 @@ class Blocks:
         return np.column_stack([middles, self.going.speed, self.level])
 
 
-def examined(part: Sequence[RawChannel], way: Way, shaken: Shaken, limits: DriveLimits) -> Blocks:
-    """Return what speaks against each block of a part of a recording."""
+def examined(part: Sequence[RawChannel], way: Way, shaken: Shaken, limits: DriveLimits) -> Blocks | Drive:
+    """Return what speaks against each block of a part of a recording; the stretch to leave if it has no block."""
     together = aligned(part)
     least = limits.band_hz[0] / PASSED
     if together.step * least > 1:
@@ -55,8 +57,9 @@ def examined(part: Sequence[RawChannel], way: Way, shaken: Shaken, limits: Drive
     size = max(2, round(limits.block / together.step))
     count = together.timepts.size // size
     if not count:
-        length = together.timepts.size * together.step
-        raise RecordError(f"{length:.3g} s are too short for a drive: it is divided into blocks of {limits.block:g} s")
+        start, length = float(together.timepts[0]), together.timepts.size * together.step
+        brief = Remark(DriveReason.BRIEF, {"length": length, "block": limits.block})
+        return Drive(start=start, stop=start + length, taken=False, reasons=(brief,), speed=float("nan"))
     edges = together.timepts[0] + together.step * size * np.arange(count + 1)
     moves = going(way, edges)
     faults, levels = _faults(part, together, shaken, limits, edges, way)

@@ -7,8 +7,12 @@ import re
 SPEED_WORDS = frozenset(
     {"speed", "spd", "vehspd", "vehspeed", "vehiclespeed", "velocity", "geschwindigkeit", "vitesse"}
 )
-LATERAL_WORDS = frozenset({"lateral", "latacc", "lat"})
-LONGITUDINAL_WORDS = frozenset({"longitudinal", "longacc", "lon", "long"})
+LATERAL_WORDS = frozenset({"lateral", "latacc", "lat", "querbeschleunigung"})
+LONGITUDINAL_WORDS = frozenset(
+    {"longitudinal", "longacc", "lon", "long", "inline", "längsbeschleunigung", "laengsbeschleunigung"}
+)
+# Words of a name that says acceleration alone: beside a lateral one, racing loggers name that along the car so.
+PLAIN_WORDS = frozenset({"acceleration", "accel", "acc", "gs", "g", "s"})
 YAW_WORDS = frozenset({"yaw", "yawrate", "gierrate"})
 # Words of something else than the motion itself.
 OTHER_WORDS = frozenset(

@@ -101,10 +101,14 @@ def first_spline(motion: StrutMotion) -> RealArray:
     acceleration = motion.motion - motion.share * motion.force
     f = np.fft.rfftfreq(len(acceleration), motion.step)
     lines = np.fft.rfft(acceleration - np.mean(acceleration))
-    pass_high = (f / LOWEST) ** 8 / (1 + (f / LOWEST) ** 8)
-    lines[1:] *= pass_high[1:] / (2j * np.pi * f[1:]) ** 2
+    lines[1:] *= pass_high(np.asarray(f[1:], float)) / (2j * np.pi * f[1:]) ** 2
     lines[0] = 0
     return spline_through(np.fft.irfft(lines, len(acceleration)))
+
+
+def pass_high(f: RealArray) -> RealArray:
+    """Return by how much frequencies pass [Hz]: those above the lowest one."""
+    return np.asarray((f / LOWEST) ** 8 / (1 + (f / LOWEST) ** 8))
 
 
 def fitted_curve(

@@ -15,7 +15,7 @@ from suspid.greybox.curve_fit import CurveFit
 from suspid.greybox.curve_noise import PROBES, SPECTRUM_BANDS, Drawn, lines_of
 from suspid.greybox.latent_splines import at_samples
 from suspid.greybox.strut_motion import StrutMotion
-from suspid.units import ComplexArray, RealArray, Second
+from suspid.units import ComplexArray, Flags, RealArray
 
 # Neighbouring lines of a Hann window, and stretches that overlap by half, are not independent: this share of them is.
 INDEPENDENT_LINES = 0.8 / 1.5
@@ -46,17 +46,18 @@ def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[
     """
     from scipy.stats import f
 
-    shortest = min(len(m.force) for m in motions)
+    # Steps that were found from stamps differ by rounding: the lines are the same for all.
+    length, use = lines_of(min(len(m.force) for m in motions), motions[0].step)
     left, velocity, cube = [], [], []
     noisy, errors = [], []
     for motion, spline, part, noises in zip(motions, fit.splines, fit.records, drawn, strict=True):
         travel = at_samples(spline, 0, motion.step)
-        left.append(_spectra(part.force_residual, motion.step, shortest))
-        velocity.append(_spectra(part.velocity, motion.step, shortest))
-        cube.append(_spectra((travel - np.mean(travel)) ** 3, motion.step, shortest))
+        left.append(_spectra(part.force_residual, length, use))
+        velocity.append(_spectra(part.velocity, length, use))
+        cube.append(_spectra((travel - np.mean(travel)) ** 3, length, use))
         made, off = (one[:, :PROBES] + one[:, PROBES:] for one in (noises.left, noises.errors))
-        noisy += [_spectra(one, motion.step, shortest) for one in made.T]
-        errors += [_spectra(at_samples(one, 1, motion.step), motion.step, shortest) for one in off.T]
+        noisy += [_spectra(one, length, use) for one in made.T]
+        errors += [_spectra(at_samples(one, 1, motion.step), length, use) for one in off.T]
     rest, causes = np.vstack(left), [np.vstack(velocity), np.vstack(cube)]
     through, wrong = np.vstack(noisy), np.vstack(errors)
     lines = np.sqrt(np.mean(np.abs(rest) ** 2, axis=0))
@@ -79,9 +80,8 @@ def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[
     return Following(statistic=float(np.mean(ratios)), p_value=min(1.0, SPECTRUM_BANDS * min(chances)))
 
 
-def _spectra(signal: RealArray, step: Second, count: int) -> ComplexArray:
-    """Return the lines of all stretches of a signal that count, (stretch, line)."""
-    length, use = lines_of(count, step)
+def _spectra(signal: RealArray, length: int, use: Flags) -> ComplexArray:
+    """Return the lines that count of all stretches of a signal, (stretch, line)."""
     stretches = np.lib.stride_tricks.sliding_window_view(signal, length)[:: max(length // 2, 1)]
     window = np.hanning(length)
     return np.asarray(np.fft.rfft((stretches - stretches.mean(axis=1, keepdims=True)) * window, axis=1)[:, use])

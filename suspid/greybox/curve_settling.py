@@ -10,6 +10,7 @@ import numpy as np
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, fitted_curve
 from suspid.greybox.curve_following import Following, following_of
 from suspid.greybox.curve_noise import Residual, drawn_noises, lines_of, loud_bands, misfit_of, noise_of, residual_of
+from suspid.greybox.curve_whitened import whitened_fit
 from suspid.greybox.strut_motion import StrutMotion
 from suspid.levels import NORMAL_95, likely
 from suspid.units import MetrePerSecond2
@@ -63,11 +64,21 @@ def of_both_readings(
         other = fitted_curve(motions, shape, fit.theta, fit.splines, quiet)
         there = following_of(motions, other, drawn_noises(motions, other, shape, quiet))
     except (np.linalg.LinAlgError, ValueError):  # one reading alone does not explain the record
-        return fit, noise, left, replace(follows, pushed=True)
+        return _beside_a_force(motions, shape, fit, noise), noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)
     worse = min(follows, there, key=lambda one: one.p_value)
     worse = replace(worse, pushed=too_loud(motions, fit, noise, left))
+    if worse.pushed:
+        return _beside_a_force(motions, shape, fit, noise), noise, left, worse
     return replace(fit, covariance=fit.covariance + apart), noise, left, worse
+
+
+def _beside_a_force(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise) -> CurveFit:
+    """Return the fit with the curve beside a force on the body of any spectrum; as it is where that is not found."""
+    try:
+        return whitened_fit(motions, shape, fit, noise) or fit
+    except (np.linalg.LinAlgError, ValueError):
+        return fit
 
 
 def too_loud(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: Residual) -> bool:

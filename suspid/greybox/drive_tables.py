@@ -64,6 +64,13 @@ def nothing_usable(drives: Sequence[Drive], remarks: Sequence[Check]) -> Verdict
     why = ", ".join(f"{length:.4g} s {code}" for code, length in reasons.items())
     none = Remark(DriveRemark.NONE, {"length": float(sum(one.length for one in drives)), "why": why})
     stands = [Check(Remark(DriveRemark.STANDS), Level.NOTE)] if set(reasons) == {DriveReason.STANDING} else []
+    short = [one.reasons[0].numbers for one in drives if one.reasons[0].code is DriveReason.SHORT]
+    longest = max(short, key=lambda numbers: float(str(numbers["length"])), default=None)
+    if longest is not None:
+        none_of = Remark(DriveRemark.TOO_SHORT, {"longest": longest["length"], "least": longest["least"]})
+        return Verdict(none, (Check(none_of, Level.NONE), *remarks))
+    if set(reasons) == {DriveReason.BRIEF}:
+        return Verdict(none, (Check(drives[0].reasons[0], Level.NONE), *remarks))
     return Verdict(none, (Check(none, Level.NONE), *stands, *remarks))
 
 

@@ -126,6 +126,9 @@ def find_drives(
             }
             said.append(Check(Remark(DriveRemark.UNREADABLE, numbers), Level.CARE))
             continue
+        if isinstance(blocks, Drive):
+            stretches.append(blocks)
+            continue
         outliers += [one for one in blocks.part.findings if one.remark.code is Defect.SENTINEL]
         found, kept, going = stretches_of(blocks, limits, whole.title)
         course.append(blocks.course)

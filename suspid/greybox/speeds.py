@@ -12,6 +12,7 @@ from suspid.greybox.channel_words import (
     LATERAL_WORDS,
     LONGITUDINAL_WORDS,
     OTHER_WORDS,
+    PLAIN_WORDS,
     SPEED_WORDS,
     WITHIN_WORDS,
     YAW_WORDS,
@@ -117,6 +118,7 @@ def way_of(
     unused = several or _unused(moving, free, speed)
     yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)
     along, across = chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"), chosen(lateral, LATERAL_WORDS, "m/s2")
+    along = along or _plain(free, longitudinal, across)
     first, second = horizontal(recording.channels, without)
     first = None if longitudinal is not None or along is not None else first
     second = None if lateral is not None or across is not None else second
@@ -131,6 +133,17 @@ def way_of(
         by_unit=by_unit and moving is not None and not unused,
         by_axis=tuple(one.name for one in (first, second) if one is not None),
     )
+
+
+def _plain(free: Iterable[RawChannel], asked: str | None, across: RawChannel | None) -> RawChannel | None:
+    """Return the only channel that is called an acceleration and no more, where that across the car has a name."""
+    if asked is not None or across is None:
+        return None
+    called = [
+        c for c in free if {"acceleration", "accel", "acc"} & words_of(c.name) and words_of(c.name) <= PLAIN_WORDS
+    ]
+    known = [c for c in called if stated_unit(c, None, "m/s2") is not None]
+    return in_si(known[0], "m/s2", None) if len(known) == 1 else None
 
 
 def _by_unit(channels: Iterable[RawChannel]) -> tuple[RawChannel | None, tuple[str, Wording] | None]:

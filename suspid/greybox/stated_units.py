@@ -21,7 +21,9 @@ SPELLED = {
     "m_s2": "m/s2", "degps": "deg/s", "deg_s": "deg/s", "radps": "rad/s", "rad_s": "rad/s",
 }  # fmt: skip
 # Suffixes that are units of accelerations, and of rotation rates, if the name says that it is one.
-OF_ACCELERATIONS = re.compile(r"(.*?)[\s_](g|gs|g's|mg|m/s2|m/s\^2|ms2|mps2|m_s2)", re.IGNORECASE)
+OF_ACCELERATIONS = re.compile(
+    r"(.*?)[\s_](g|gs|g's|mg|milli[\s_-]?g|gal|m/s2|m/s\^2|ms2|mps2|m_s2|(?:cm|mm|ft|in)[/_]s\^?2)", re.IGNORECASE
+)
 OF_ROTATIONS = re.compile(r"(.*?)[\s_](dps|deg/s|degps|deg_s|rad/s|radps|rad_s)", re.IGNORECASE)
 # Largest usual values in SI units: 20 g and 2000 deg/s. Larger ones are in another unit than the name says.
 MOST_USUAL = {"m/s2": 200.0, "rad/s": 35.0}
@@ -34,6 +36,8 @@ def suffixed(name: str) -> tuple[str, str]:
     --------
     >>> suffixed("AccelZ_g"), suffixed("GyroX_degps"), suffixed("Lateral Gs"), suffixed("acc_m_s2")
     (('AccelZ', 'g'), ('GyroX', 'deg/s'), ('Lateral', 'g'), ('acc', 'm/s2'))
+    >>> suffixed("AccZ_mg"), suffixed("Acc Z milli g"), suffixed("acc_z_cm_s2"), suffixed("acc_ft/s^2")
+    (('AccZ', 'mg'), ('Acc Z', 'mg'), ('acc_z', 'cm/s2'), ('acc', 'ft/s^2'))
     >>> suffixed("x_m"), suffixed("load_g"), suffixed("MagX_Gs"), suffixed("MagX_uT")
     (('x_m', ''), ('load_g', ''), ('MagX_Gs', ''), ('MagX_uT', ''))
     """
@@ -45,7 +49,8 @@ def suffixed(name: str) -> tuple[str, str]:
         moves = named_quantity(found[1]) == "acceleration" if pattern is OF_ACCELERATIONS else False
         if moves or called & words:
             unit = found[2].lower()
-            return found[1], "g" if unit == "gs" else SPELLED.get(unit, unit)
+            unit = "g" if unit == "gs" else re.sub(r"milli[\s_]g", "mg", unit).replace("_s", "/s")
+            return found[1], SPELLED.get(found[2].lower(), unit)
     return name, ""
 
 

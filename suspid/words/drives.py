@@ -79,6 +79,7 @@ class DriveReason(Code):
     BRAKING = "braking", "braking or accelerating with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
     CORNERING = "cornering", "cornering with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
     SHORT = "short", "usable, but only {length:.3g} s long (minimum {least:g} s)"
+    BRIEF = "brief", "{length:.2g} s are too short for a drive: it is judged in blocks of {block:g} s"
 
 
 class DriveRemark(Code):
@@ -86,6 +87,16 @@ class DriveRemark(Code):
 
     FOUND = "found", _found
     NONE = "none", _none
+    TOO_SHORT = (
+        "too short",
+        sentence(
+            lambda n: (
+                f"The longest usable stretch has {n['longest']:.3g} s of the {n['least']:g} s that one must have. "
+                f"Record a longer drive at steady speed, or allow shorter stretches ({Argument('shortest')}), whose "
+                f"intervals are wider."
+            )
+        ),
+    )
     STANDS = (
         "stands",
         "The car stands. If it was released, pushed or shaken there, its modes follow from identify, its springs and "
@@ -145,6 +156,7 @@ class DriveRemark(Code):
             )
         ),
     )
+    NO_SPRINGS = "no springs", "Springs and dampers were not found: {why}."
     NO_FREQUENCIES = "no frequencies", "The frequencies of the body were not found: {why}."
     CURVES_FROM = (
         "curves from",
@@ -165,7 +177,8 @@ class DriveRemark(Code):
         sentence(
             lambda n: (
                 f"The residual of the curve of {_listed(n)} exceeds the noise of the sensors: a mount of the damper, "
-                f"gain or delay of a sensor, or another axle may be missing. Do not use the curve."
+                f"gain or delay of a sensor, another axle, or a force on the body (an engine of varying speed) may be "
+                f"missing. Do not use the curve."
             )
         ),
     )

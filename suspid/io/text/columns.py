@@ -11,10 +11,11 @@ from suspid.io.text.cells import Kind, kind_of
 from suspid.io.text.dialects import COMMENTS, Dialect
 
 REMARKS = {"comment", "comments", "remark", "remarks", "note", "notes", "kommentar"}
-# One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s.
+# One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s; every one that is converted is among them.
 ATOM = (
-    r"(?:[hkKMGmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε)"
-    r"|min|h|hr|sec|deg[CF]?|°[CF]?|C|K|G|%|1|-|rpm|U|l|in|ft|lbf|psi|mph|kn|Celsius|counts?)"
+    r"(?:[hkKMGcdmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε|[Gg]al)"
+    r"|min|h|hr|sec|deg[CF]?|°[CF]?|C|K|G|%|1|-|rpm|U|l|in|inch|mil|ft|lbf|kgf|psi|mph|MPH|kph|KPH|kn|ips|dps|g0|u[eE]"
+    r"|[mu]G|microstrain|Celsius|counts?)"
 )
 UNIT = re.compile(
     rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
