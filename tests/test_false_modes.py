@@ -100,7 +100,7 @@ class TestUnknown:
         found = identify(as_response(TIME, centred, ["y"])).modes
         assert found.covariance is not None
         known = dataclasses.replace(found, covariance=widened * found.covariance)
-        fewer = _fewer(selection, known)
+        fewer = _fewer(selection, known, known)
         assert len(fewer.modes) == modes
         assert (Reason.UNKNOWN in fewer.reasons) == (not modes)
 

@@ -47,7 +47,7 @@ def longer_decays(
             continue
         if decay.stop >= used.stop:
             yield decay
-        elif decay.stop >= used.start - SHORT_PAUSE * _period(used) or _fades(signal, decay, used):
+        elif _continued(signal, decay, used):
             yield _until(decay, max(decay.stop, used.stop))
     if any(doubt.code is DecayDoubt.CUT_OFF for doubt in used.doubts):
         after = [
@@ -57,6 +57,12 @@ def longer_decays(
     end = float(signal.timepts[-1])
     if len(decays) == 1 and end > used.stop:
         yield _until(used, end)
+
+
+def first_of(used: Decay, decays: Sequence[Decay], signal: Signal) -> Second:
+    """Return the start of the first decay that the one that is used continues."""
+    starts = [d.start for d in decays if d.start < used.start and (d.stop >= used.stop or _continued(signal, d, used))]
+    return min([used.start, *starts])
 
 
 def goes_on(found: Identification | None, after: RealArray) -> bool:
@@ -119,8 +125,10 @@ def _known(found: Identification) -> int:
     return int(np.sum(sure))
 
 
-def _fades(signal: Signal, before: Decay, after: Decay) -> bool:
-    """Return whether the motion falls from one decay to the next without a rise between them."""
+def _continued(signal: Signal, before: Decay, after: Decay) -> bool:
+    """Return whether one decay continues another: after a short pause, or without a rise of the motion between them."""
+    if before.stop >= after.start - SHORT_PAUSE * _period(after):
+        return True
     borders = np.searchsorted(signal.timepts, [before.start, before.stop, after.start, after.stop], side="right")
     parts = [signal.values[:, i:j] for i, j in itertools.pairwise(borders.tolist())]
     if min(part.shape[1] for part in parts) < 2:

@@ -12,7 +12,7 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
-from suspid.analysis.longer import goes_on, longer_decays, shared_modes, shows_all, shows_more
+from suspid.analysis.longer import first_of, goes_on, longer_decays, shared_modes, shows_all, shows_more
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, releases_before
@@ -113,7 +113,7 @@ def _longer(record: control.TimeResponseData, best: Used, settings: Settings) ->
     if len(best.used) != 1 or not isinstance(decays, Decays):
         return best
     signal = as_signal(record)
-    released = _released(record, best.used[0])
+    released = _released(record, best.used[0], first_of(best.used[0], decays, signal))
     for decay in longer_decays(best.used[0], decays, released=released, signal=signal):
         earlier = decay.start < best.used[0].start
         if not earlier:
@@ -136,10 +136,13 @@ def _with_identification(used: Used, settings: Settings) -> Used:
     return replace(used, identification=used.identification or tried(used.record, settings))
 
 
-def _released(record: control.TimeResponseData, decay: Decay) -> tuple[Second, ...]:
-    """Return when the motion before a decay may have been let go: a look at all of a long recording costs too much."""
-    earliest = max(as_signal(record).start, decay.start - BEFORE_DECAY * (decay.stop - decay.start))
-    return releases_before(as_signal(cut(record, start=earliest, stop=decay.stop)), decay.start)
+def _released(record: control.TimeResponseData, used: Decay, first: Second) -> tuple[Second, ...]:
+    """Return when the motion that a decay continues, from a first time on, may have been let go.
+
+    A look at all of a long recording would cost too much.
+    """
+    earliest = max(as_signal(record).start, first - BEFORE_DECAY * (used.stop - first))
+    return releases_before(as_signal(cut(record, start=earliest, stop=used.stop)), first)
 
 
 def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:

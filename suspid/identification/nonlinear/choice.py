@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.identification.fitting import OTHER_FREQUENCY
+from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import next_poles, repeated
-from suspid.identification.nonlinear.standing import explains, misses, stands, worths_of
+from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
 from suspid.identification.nonlinear.structure import StructureFit, fitted
 from suspid.units import ComplexArray
 
@@ -41,7 +42,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     Modes are added, up to ``most``, as long as each explains most of the residual.
     """
     # Of a single mode that explains the record best, other forces than friction follow its motion as it was measured.
-    if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent):
+    if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent, record.noise):
         return None
     best: StructureFit | None = None
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
@@ -69,7 +70,7 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
     """
     waits = len(fit.theta) == 1 and fit.structures.kind is not ForceKind.FRICTION
     fit = fit if waits else _needed(fit)
-    while misses(fit) and len(fit.theta) < most:
+    while leaves_more(fit, fit.record.noise) and len(fit.theta) < most:
         more = _with_mode(fit)
         if more is None:
             break
@@ -77,9 +78,9 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
     return _needed(fit) if waits else fit
 
 
-def _sticks(bent: Bent) -> bool:
-    """Return whether a fit with forces has friction among them, or leaves more than noise near a mode."""
-    return any(force.kind is ForceKind.FRICTION for force in bent.forces) or misses(bent.fit)
+def _sticks(bent: Bent, noise: WhiteNoise) -> bool:
+    """Return whether a fit with forces has friction among them, or leaves more than noise."""
+    return any(force.kind is ForceKind.FRICTION for force in bent.forces) or leaves_more(bent.fit, noise)
 
 
 def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
@@ -155,7 +156,7 @@ def _with_mode(fit: StructureFit) -> StructureFit | None:
     best = min((each for each in found if not _repeats(each)), key=lambda each: each.bic, default=None)
     if best is None:
         return None
-    enough = not misses(best) or np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION
+    enough = not leaves_more(best, record.noise) or np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION
     return best if enough else None
 
 

@@ -8,6 +8,7 @@ from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.harmonics import WEAK
+from suspid.identification.likelihood import bic_penalty
 from suspid.identification.likelihood import evaluate as evaluate_decay
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
@@ -59,12 +60,16 @@ def _combined(frequency: float, others: RealArray) -> bool:
     return bool(np.any(np.abs(frequency / both - 1) < MULTIPLE))
 
 
-def next_poles(residual: RealArray, variance: RealArray, noise: WhiteNoise) -> list[complex]:
-    """Return the exponents at which a residual is largest, of at least one cycle."""
+def next_poles(residual: RealArray, variance: RealArray, noise: WhiteNoise, *, worth: float = 0.0) -> list[complex]:
+    """Return the exponents at which a residual is largest, of at least one cycle.
+
+    Each gains at least ``worth`` times what a pole must gain for a lower BIC.
+    """
     none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
     count = residual.shape[1]
     alone = evaluate_decay(blocks_of(residual), none, noise)
     if alone is None:
         return []
+    least = worth * bic_penalty(len(residual), residual.size)
     found = ranked(alone, variance, searched(alone, residual, variance))
-    return [c.theta for c in found if not c.real and c.theta.imag * count > 2 * np.pi][:NEXT]
+    return [c.theta for c in found if not c.real and c.gain >= least and c.theta.imag * count > 2 * np.pi][:NEXT]

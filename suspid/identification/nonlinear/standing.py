@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from suspid.identification.classification import is_tone
 from suspid.identification.likelihood import bic_penalty
-from suspid.identification.noise import LOUD, over_channels, power_near
+from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_near
 from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, window_changes
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.linearised import slopes_of
-from suspid.identification.nonlinear.own import UNKNOWN
+from suspid.identification.nonlinear.own import UNKNOWN, next_poles
 from suspid.identification.nonlinear.structure import StructureFit
 from suspid.identification.nonlinear.swings import swings_of
 from suspid.identification.refinement import WORTHWHILE
@@ -26,6 +26,11 @@ def explains(fit: StructureFit, highest: float) -> bool:
 def misses(fit: StructureFit | DrivenFit) -> bool:
     """Return whether more than noise is left near a mode."""
     return bool(np.any(beside(fit) > LOUD))
+
+
+def leaves_more(fit: StructureFit | DrivenFit, noise: WhiteNoise) -> bool:
+    """Return whether more than noise is left near a mode, or a further one stands out of the residual."""
+    return misses(fit) or bool(next_poles(fit.residual, fit.variance, noise, worth=WORTHWHILE))
 
 
 def beside(fit: StructureFit | DrivenFit) -> RealArray:
