@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import FILE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive
+from suspid.cli.streams import FILE, JSON_FILE, RESULT
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
 from suspid.text_tables import text_table
@@ -41,8 +41,8 @@ HELD_BY_FORMAT = {
 
 
 @click.command("compare")
-@click.argument("before", type=FILE, nargs=-1, required=True, metavar="BEFORE...")
-@click.argument("after", type=FILE)
+@click.argument("before", type=RESULT, nargs=-1, required=True, metavar="BEFORE...")
+@click.argument("after", type=RESULT)
 @click.option(
     "--damper-std",
     type=Positive("share"),
@@ -57,7 +57,7 @@ HELD_BY_FORMAT = {
     help="Relative standard deviation of springs and dampers that were not estimated, such as those of tires.",
 )
 @click.option("--plot", type=FILE, metavar="FILE", help="Write a picture of before and after (.png, .svg, .pdf).")
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
 def compare_command(
     before: tuple[Path, ...],
     after: Path,
