@@ -71,7 +71,7 @@ class TestOutput:
     def test_nothing_is_written_after_an_error(self) -> None:
         assert run("modes nowhere.toml --json -").stdout == ""
 
-    def test_pages_and_pictures_have_a_name(self, tmp_path: Path) -> None:
+    def test_pages_and_pictures_have_a_name(self) -> None:
         assert "choose such a name" in run(f"report {RECORD} -o -").stderr
         assert "known: " in run(f"identify {RECORD} --plot -").stderr
 

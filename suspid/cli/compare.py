@@ -12,7 +12,7 @@ import click
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive
-from suspid.cli.streams import FILE, JSON_FILE, RESULT
+from suspid.cli.streams import FILE, FOUND, JSON_FILE
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
 from suspid.text_tables import text_table
@@ -41,8 +41,8 @@ HELD_BY_FORMAT = {
 
 
 @click.command("compare")
-@click.argument("before", type=RESULT, nargs=-1, required=True, metavar="BEFORE...")
-@click.argument("after", type=RESULT)
+@click.argument("before", type=FOUND, nargs=-1, required=True, metavar="BEFORE...")
+@click.argument("after", type=FOUND)
 @click.option(
     "--damper-std",
     type=Positive("share"),

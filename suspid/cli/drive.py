@@ -15,7 +15,7 @@ from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
-from suspid.cli.streams import CAR, FILE, RECORD, RESULT
+from suspid.cli.streams import CAR, FILE, FOUND, RECORD
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits, Drives
 
@@ -65,7 +65,7 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
 @packed(limits_of, LIMITS, "limits")
 @packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
 @wanting
-@click.option("--before", type=RESULT, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
+@click.option("--before", type=FOUND, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a report (.html, .pdf).")
 @writing

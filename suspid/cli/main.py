@@ -26,7 +26,7 @@ from suspid.cli.report import report_command
 from suspid.cli.ridden import OF_CARS, made_linear
 from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
-from suspid.cli.streams import CAR, JSON_FILE, RESULT
+from suspid.cli.streams import CAR, FOUND, JSON_FILE
 from suspid.cli.tune import tune_command
 from suspid.errors import InputError
 from suspid.files import printable
@@ -63,7 +63,7 @@ main.add_command(tune_command)
 
 
 @main.command("reconstruct")
-@click.argument("modes", type=RESULT, nargs=-1, required=True)
+@click.argument("modes", type=FOUND, nargs=-1, required=True)
 @click.argument("car", type=CAR)
 @wanting
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")

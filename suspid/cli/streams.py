@@ -108,5 +108,5 @@ class CarFile(Output):
 
 
 FILE = click.Path(path_type=Path)
-RECORD, CAR, RESULT = Input(".csv"), Input(".toml"), Input(".json")
+RECORD, CAR, FOUND = Input(".csv"), Input(".toml"), Input(".json")
 RECORD_FILE, CAR_FILE, JSON_FILE = Output(".csv"), CarFile(".toml"), Output(".json")
