@@ -93,7 +93,7 @@ def parsed_json(text: str) -> dict[str, object]:
             why = f": it is invalid at line {error.lineno}, column {error.colno} ({error.msg})"
         raise InputError(f"is not JSON{why}; give JSON that suspid wrote") from None
     if not isinstance(content, dict):
-        raise InputError(f"must contain a JSON object, not {type(content).__name__}")
+        raise InputError(f"must contain a JSON object, not {type(content).__name__}; give JSON that suspid wrote")
     return content
 
 
@@ -117,7 +117,9 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
             if target.is_dir():
                 raise InputError("is a folder; give the name of a file to write")
             if not target.parent.is_dir():
-                raise InputError(f"cannot be written: there is no folder {printable(str(target.parent))}")
+                raise InputError(
+                    f"cannot be written: there is no folder {printable(str(target.parent))}; check the path"
+                )
             if target.exists() and not os.access(target, os.W_OK):
                 raise InputError("cannot be written: the file is write-protected")
         beside = _is_stream(target)

@@ -57,6 +57,13 @@ def test_heights_that_are_no_road_get_no_class(name: str) -> None:
         classify_road((TIME, WAVES[name]), speed=20.0)
 
 
+@pytest.mark.parametrize("omega", [1.5, 5.0, 20.0, 130.3])
+def test_no_length_of_a_sine_gets_a_class(omega: float) -> None:
+    """One that ends within a period leaks into all lines of a record without a window."""
+    with pytest.raises(InputError, match="waves of one length"):
+        classify_road((TIME, np.sin(omega * TIME)), speed=20.0)
+
+
 def test_the_length_of_a_sine_is_named() -> None:
     with pytest.raises(InputError, match=r"13\.3 m"):
         classify_road((TIME, WAVES["sine"]), speed=20.0)

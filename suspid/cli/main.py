@@ -19,7 +19,7 @@ from suspid.cli.fleet import fleet_command
 from suspid.cli.grip import grip_command
 from suspid.cli.measured import channels_command, identify_command
 from suspid.cli.options import LINEARISE
-from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.output import check_apart, said_warnings, say, shown
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
 from suspid.cli.report import report_command
@@ -93,6 +93,10 @@ def reconstruct_command(
     from suspid.model import car_to_toml, read_car, read_constraints
     from suspid.reconstruction import ModalTest, reconstruct, reconstruction_to_dict
 
+    if car.suffix.lower() == ".json" and modes[0].suffix.lower() == ".toml":
+        raise click.UsageError(
+            f"MODES come first and CAR last: suspid reconstruct {shown(str(car))} {shown(str(modes[0]))}"
+        )
     if len({path.resolve() for path in modes}) < len(modes):
         raise click.UsageError("One of the MODES is named twice: name each once.")
     check_apart([*modes, car], [outputs.output, outputs.json_file])

@@ -218,7 +218,7 @@ class RoadCheck(Code):
     ONE_EVENT = (
         "one event",
         "The lines of the spectrum do not scatter as those of a random road do: the heights may show a single event, "
-        "such as a step or a kerb.",
+        "such as a step or a kerb, or waves of one length beyond those that are used.",
     )
     BENT = (
         "bent",
