@@ -46,7 +46,7 @@ OF_DECAYS = ("which", "modes", "method", "band")
 @click.option("--csv", is_flag=True, help="Write the tables of RESULTS as CSV too.")
 @click.option("--drives", is_flag=True, help="Each record is a drive, as for `suspid drive`.")
 @click.option("--workers", type=Whole(1), help="Processes on this machine. [one per core]")
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler instead, such as tcp://host:8786.")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler instead, such as HOST:8786.")
 @click.option("--car", type=CAR, metavar="CAR", help="Car (.toml): find springs and dampers as well.")
 @wanting
 @packed(way_of, WAY, "way")
