@@ -297,3 +297,26 @@ def test_a_file_given_where_a_result_is_needed(name: str) -> None:
     with pytest.raises(SuspidError) as caught:
         verb(RECORD, *unnamed, **named)
     assert STEP.search(str(caught.value))
+
+
+@pytest.mark.parametrize(
+    ("call", "way"),
+    [
+        (lambda: suspid.identify(np.arange(400) / 100, DECAY), r"as one pair, identify\(\(t, y\)\)"),  # type: ignore[call-arg]
+        (lambda: suspid.identify(DECAY, 100), "by name, such as fs="),  # type: ignore[call-arg]
+        (lambda: suspid.identify(DECAY, fs=100, band=(1, 10)), "Did you mean 'band_hz'"),  # type: ignore[call-arg]
+        (lambda: suspid.identify(DECAY, fs=100, order=4), "Did you mean 'modes'"),  # type: ignore[call-arg]
+        (lambda: suspid.cwt(DECAY, fs=100, freqs=[1.0]), "Did you mean 'omega'"),  # type: ignore[call-arg]
+        (lambda: suspid.quarter_car(400, 40), "by name, such as seat_mass="),  # type: ignore[call-arg,misc]
+    ],
+)
+def test_a_call_that_does_not_fit_the_signature_names_the_way(call: Callable[[], object], way: str) -> None:
+    with pytest.raises(TypeError, match=way):
+        call()
+
+
+def test_a_mapping_and_a_name_of_a_mode() -> None:
+    with pytest.raises(SuspidError, match="channels=.*data"):
+        suspid.identify({"seat": DECAY}, fs=100)
+    with pytest.raises(SuspidError, match="attribute, such as .wn"):
+        suspid.eigenmodes(QUARTER)["wn"]  # type: ignore[index]

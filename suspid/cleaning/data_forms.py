@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -46,6 +47,11 @@ def samples_of(
         return values, time_samples(data[0], "time"), _numbered(values)
     if isinstance(data, str) or hasattr(data, "__fspath__"):
         raise RecordError(f"{printable(str(data))!r:.80} is a path: read it with read_record, or pass it to analyse")
+    if isinstance(data, Mapping):
+        raise RecordError(
+            "a mapping of names to samples: write as_record([*data.values()], channels=[*data], fs=...) with the "
+            "sampling rate in Hz, without the time"
+        )
     if isinstance(data, Recording):
         raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
     values = _matrix(data, samples)
