@@ -5,8 +5,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 
-import numpy as np
-
 from suspid.values import nearest_names
 
 # What arguments are called in other programs, and here: the first that the function has.
@@ -52,7 +50,6 @@ def misfit(
     if len(args) > len(positional):
         by_name = [name for name in parameters if name not in {one.name for one in positional} | set(kwargs)]
         way = f"pass the rest by name, such as {by_name[0]}=…" if by_name else way
-        extra = args[len(positional)]
-        if len(positional) == 1 and not np.isscalar(extra) and np.shape(args[0]) and np.shape(extra):
+        if len(positional) == 1 and all(hasattr(one, "__len__") and not isinstance(one, str) for one in args[:2]):
             way = f"pass time and samples as one pair, {verb.__name__}((t, y)), or {way}"
     return TypeError(f"{error}; {way}")

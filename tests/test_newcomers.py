@@ -307,7 +307,7 @@ def test_a_file_given_where_a_result_is_needed(name: str) -> None:
         (lambda: suspid.identify(DECAY, fs=100, band=(1, 10)), "Did you mean 'band_hz'"),  # type: ignore[call-arg]
         (lambda: suspid.identify(DECAY, fs=100, order=4), "Did you mean 'modes'"),  # type: ignore[call-arg]
         (lambda: suspid.cwt(DECAY, fs=100, freqs=[1.0]), "Did you mean 'omega'"),  # type: ignore[call-arg]
-        (lambda: suspid.quarter_car(400, 40), "by name, such as seat_mass="),  # type: ignore[call-arg,misc]
+        (lambda: suspid.quarter_car(400, 40), "by name, such as seat_mass="),  # type: ignore[call-arg]
     ],
 )
 def test_a_call_that_does_not_fit_the_signature_names_the_way(call: Callable[[], object], way: str) -> None:
