@@ -135,6 +135,22 @@ class TestReconstructions:
         assert "leave out" in run("compare", cars / "new.json", cars / "new.json", "--load-std", 0.1).output
 
 
+def test_reports_are_compared_with_their_springs(cars: Path, tmp_path: Path) -> None:
+    """The JSON of a report has modes, and springs from the modes or from the record."""
+    exact = eigenmodes(NEW)
+    modes = modes_to_dict(
+        ModalSet.from_wn_zeta(exact.wn, exact.zeta, wn_std=1e-3 * exact.wn, zeta_std=1e-2 * exact.zeta)
+    )
+    for name in ("new", "worn"):
+        springs = json.loads((cars / f"{name}.json").read_text())
+        content = {**modes, "report": 3, "estimate": None, "reconstruction": springs}
+        (tmp_path / f"{name}.json").write_text(to_json(content), encoding="utf-8")
+    result = run("compare", tmp_path / "new.json", tmp_path / "worn.json", "--json", tmp_path / "c.json")
+    assert result.exit_code == 0, result.output
+    assert re.search(r"chassis +damping \[N s/m\] .* yes", result.output)
+    jsonschema.validate(json.loads((tmp_path / "c.json").read_text()), json_schema("compare"))
+
+
 def test_results_are_compared_in_python() -> None:
     exact = eigenmodes(NEW)
     modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta, wn_std=1e-3 * exact.wn, zeta_std=1e-2 * exact.zeta)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,8 +75,8 @@ def compare_command(
     Both are the JSON of `suspid estimate` or `suspid drive`: shows the change of every spring and damper, the grip
     before and after, and whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a
     history: with six or more, their own scatter is used. With the JSON of `suspid reconstruct` it shows which springs
-    and dampers differ by more than their intervals, with that of `suspid identify` which modes. --plot draws the
-    intervals of both.
+    and dampers differ by more than their intervals, with that of `suspid identify` which modes, and with that of
+    `suspid report` both. --plot draws the intervals of both.
     """
     from suspid.identification import to_json
     from suspid.model import compare
@@ -126,6 +127,10 @@ def compare_command(
                     f"{listed(given)}, meant for estimates from drives."
                 )
             compared = compare(_read(after), _read(before[0]))
+            reported = [_reported(path) for path in (after, before[0])] if kind == "modes" else []
+            if len(reported) == 2 and reported[0] is not None and reported[1] is not None:
+                springs = compare(reported[0], reported[1])
+                compared = replace(compared, table=(*compared.table, *springs.table))
             text, content = changes_in_words(compared), comparison_to_dict(compared)
             if figure_draft:
                 # Half a page [inch].
@@ -169,6 +174,22 @@ def _read(path: Path) -> ModalSet | Estimate | FoundParameters:
     return read_estimate(path) if kind == "an estimate" else read_modes(path)
 
 
+def _reported(path: Path) -> Estimate | FoundParameters | None:
+    """Return the springs and dampers beside the modes of a report; None where it has none."""
+    from suspid.reconstruction import parameters_from_dict
+    from suspid.reporting import estimate_from_dict
+
+    if path.suffix.lower() == ".toml":
+        return None
+    with naming(path):
+        content = parsed_json(read_text(path))
+        for name, read in (("estimate", estimate_from_dict), ("reconstruction", parameters_from_dict)):
+            found = content.get(name)
+            if isinstance(found, dict):
+                return read(found)
+    return None
+
+
 def _kind(path: Path) -> str:
     """Return what a file has, by its format; the files themselves are checked by their readers."""
     with naming(path):
@@ -181,8 +202,6 @@ def _kind(path: Path) -> str:
 
 
 def _rule(damper_std: float | None, load_std: float | None) -> WearRule:
-    from dataclasses import replace
-
     from suspid.performance import WearRule
 
     given = {"damper_std": damper_std, "load_std": load_std}
