@@ -20,6 +20,8 @@ sys.path[:0] = [str(ROOT), str(HERE)]
 
 from suspid import performance  # noqa: E402 - from this folder
 
+# Notebooks draw in their cells, whatever backend the shell that builds the manual has.
+os.environ.pop("MPLBACKEND", None)
 # Examples find the record beside them by their own place, which the gallery does not tell them.
 vars(builtins)["__file__"] = str(ROOT / "examples" / "example.py")
 

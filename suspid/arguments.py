@@ -19,6 +19,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.calls import misfit
 from suspid.errors import InputError, SuspidError
 from suspid.wording import Argument
 
@@ -60,9 +61,9 @@ def explained(verb: Callable[Given, Returned]) -> Callable[Given, Returned]:
         except Exception as error:
             try:
                 given = inspect.signature(verb).bind_partial(*args, **kwargs).arguments
-            except TypeError:
+            except TypeError as unfit:
                 # Python's own message names the function; that of the binding does not.
-                raise error from None
+                raise misfit(verb, error if isinstance(error, TypeError) else unfit, args, kwargs) from None
             refusal = _refusal(verb, given)
             if refusal is None:
                 raise

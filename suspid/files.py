@@ -93,7 +93,7 @@ def parsed_json(text: str) -> dict[str, object]:
             why = f": it is invalid at line {error.lineno}, column {error.colno} ({error.msg})"
         raise InputError(f"is not JSON{why}; give JSON that suspid wrote") from None
     if not isinstance(content, dict):
-        raise InputError(f"must contain a JSON object, not {type(content).__name__}")
+        raise InputError(f"must contain a JSON object, not {type(content).__name__}; give JSON that suspid wrote")
     return content
 
 
@@ -111,15 +111,18 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target, name = Path(path), printable(str(path))
     try:
-        target = target.resolve()
+        # What is behind a link to a pipe, as /dev/stdout is, has no path.
+        target = target if _is_stream(target) else target.resolve()
         with naming(path):
             if target.is_dir():
                 raise InputError("is a folder; give the name of a file to write")
             if not target.parent.is_dir():
-                raise InputError(f"cannot be written: there is no folder {printable(str(target.parent))}")
+                raise InputError(
+                    f"cannot be written: there is no folder {printable(str(target.parent))}; check the path"
+                )
             if target.exists() and not os.access(target, os.W_OK):
                 raise InputError("cannot be written: the file is write-protected")
-        beside = target.exists() and not target.is_file()
+        beside = _is_stream(target)
         draft = target if beside else target.with_name(f".{secrets.token_hex(4)}{target.suffix}")
         if not beside:
             draft.open("xb").close()
@@ -136,6 +139,11 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         if draft != target:
             draft.unlink(missing_ok=True)
+
+
+def _is_stream(path: Path) -> bool:
+    """Tell whether there is a device or a pipe at a path."""
+    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def _reason(refusal: Exception) -> str:

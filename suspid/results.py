@@ -11,6 +11,7 @@ from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 from suspid.errors import InputError
+from suspid.files import printable
 
 if TYPE_CHECKING:
     import control
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# Letters of what `repr` says of a result: some lines of a terminal, whatever names it has.
+LONGEST_REPR = 300
 # Size of a picture in a notebook [inch], and its resolution [dots per inch].
 NOTEBOOK, NOTEBOOK_DOTS = (7.0, 3.2), 96
 
@@ -57,7 +60,8 @@ class Result:
     __slots__ = ()
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self._brief()}>"
+        brief = printable(self._brief())
+        return f"<{type(self).__name__} {brief if len(brief) <= LONGEST_REPR else f'{brief[:LONGEST_REPR]}…'}>"
 
     def _brief(self) -> str:
         """Return what was found in one line and at no cost, for lists, debuggers and failing tests."""

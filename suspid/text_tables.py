@@ -8,6 +8,7 @@ from textwrap import wrap
 import numpy as np
 from tabulate import tabulate
 
+from suspid.files import printable
 from suspid.units import RealArray
 
 # Magnitudes between which numbers are printed without an exponent: up to three zeros stand before their digits.
@@ -16,6 +17,8 @@ SMALLEST_PLAIN, LARGEST_PLAIN = 1e-4, 1e7
 NOTHING = "–"
 # Columns of a terminal that nobody has widened, and spaces between the columns of a table that has to fit it.
 TERMINAL, COLUMN_GAP = 80, 2
+# Letters of a name in a table: a column of it and two of numbers fit a terminal.
+LONGEST_NAME = 58
 # Letters of a word from which on a heading of several lines is better cut in it.
 LONG_WORD = 15
 
@@ -24,6 +27,7 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
     """Return named columns of text as a table, aligned to the right; those of ``words`` to the left.
 
     One that is wider than ``widest`` has headings of several lines, and then several parts, each with the first column.
+    Control characters are escaped, and names longer than a table has room for lose their middle.
 
     Examples
     --------
@@ -33,6 +37,7 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
     ---  ---------  -------
       1      20000      900
     """
+    columns = {named(name): [named(cell, name in words) for cell in cells] for name, cells in columns.items()}
     sides = ["left" if name in words else "right" for name in columns]
     whole: str = tabulate(columns, headers="keys", disable_numparse=True, stralign="right", colalign=sides)
     whole = "\n".join(map(str.rstrip, whole.split("\n"))) if words else whole
@@ -54,6 +59,22 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
             use.append(left.pop(0))
         parts.append(use)
     return "\n\n".join(_part([heads[i] for i in use], [cells[i] for i in use]) for use in parts)
+
+
+def named(text: str, whole: bool = False) -> str:
+    r"""Return a name as a cell of a table shows it: on one line, without control characters, and not too long.
+
+    Examples
+    --------
+    >>> print(named("seat\x1b[2J"), named("x" * 100 + "_left"))
+    seat\x1b[2J xxxxxxxxxxxxxxxxxxxxxxxxxxxx…xxxxxxxxxxxxxxxxxxxxxxx_left
+    """
+    shown = printable(text)
+    if whole or len(shown) <= LONGEST_NAME:
+        return shown
+    # Names of channels of one kind often differ at the end.
+    half = (LONGEST_NAME - 1) // 2
+    return f"{shown[:half]}…{shown[-half:]}"
 
 
 def sentence_table(

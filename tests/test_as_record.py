@@ -144,7 +144,7 @@ def test_units_and_times_of_xarray() -> None:
         (lambda: as_record(np.ma.masked_greater(VALUES, 0.0), fs=FS), "samples are masked"),
         (lambda: as_record([[1.0, 2.0], [1.0]], fs=FS), "different lengths"),
         (lambda: as_record(["a", "b"], fs=FS), "no numbers"),
-        (lambda: as_record(table().assign(note="x"), fs=FS), r"'note'.*select_dtypes"),
+        (lambda: as_record(table().assign(note="x"), fs=FS), r"'note'.*data.drop"),
         (lambda: as_record((TIME[:-1], VALUES)), "999 time points, but 1000 samples"),
         (lambda: as_record((TIME**2, VALUES)), "irregular"),
         (lambda: as_record(VALUES, fs=0.0), "must be a positive"),
@@ -309,7 +309,7 @@ class TestDrives:
         t = np.arange(0, duration, step)
         heights = road_profile(20.0 * t, roughness="B", rng=np.random.default_rng(3))
         response = simulate(self.CAR, t, {"road": heights}, outputs=self.SHOWN)
-        table = pandas.DataFrame({"time": t, **dict(zip(self.SHOWN, response.outputs, strict=True))})
+        table = pd.DataFrame({"time": t, **dict(zip(self.SHOWN, response.outputs, strict=True))})
         return response, table, pandas.Series(heights, index=pandas.Index(t, name="time"), name="road")
 
     def test_every_verb_of_drives_takes_a_table(self) -> None:
@@ -390,3 +390,46 @@ def test_a_date_that_is_none_is_no_time(place: int) -> None:
     stamps[place] = pd.NaT
     with pytest.raises(RecordError, match=f"1 of 200 time stamps are not finite, the first is number {place + 1}"):
         as_record(pd.DataFrame({"y": np.arange(200.0)}, index=pd.DatetimeIndex(stamps)))
+
+
+class TestTimesOfDay:
+    """Clocks as text, as `pandas.read_csv` leaves them: the time of the record, as in a file."""
+
+    STAMPS = pd.date_range("2024-05-01 23:59:59", periods=200, freq="10ms")
+    SAMPLES = np.exp(-np.arange(200) / 100)
+
+    @pytest.mark.parametrize(
+        "form", ["%H:%M:%S.%f", "%d.%m.%Y %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%f", "%H:%M:%S,%f", "%I:%M:%S.%f %p"]
+    )
+    @pytest.mark.parametrize("where", ["column", "strings", "index", "pair", "timepts", "unnamed"])
+    def test_they_are_the_time(self, form: str, where: str) -> None:
+        texts = [stamp.strftime(form) for stamp in self.STAMPS]
+        frame = pd.DataFrame({"time": texts, "seat": self.SAMPLES})
+        record = {
+            "column": lambda: as_record(frame),
+            "strings": lambda: as_record(frame.astype({"time": "string"})),
+            "index": lambda: as_record(frame.set_index("time")),
+            "pair": lambda: as_record((texts, self.SAMPLES)),
+            "timepts": lambda: as_record(self.SAMPLES, timepts=texts),
+            "unnamed": lambda: as_record(frame.rename(columns={"time": "column 1"})),
+        }[where]()
+        np.testing.assert_allclose(record.time, np.arange(200) / 100, atol=1e-9)
+        assert len(record.output_labels) == 1
+
+    def test_objects_of_python(self) -> None:
+        for times in (
+            [s.time() for s in self.STAMPS],
+            [s.to_pydatetime() for s in self.STAMPS],
+            self.STAMPS.to_numpy(),
+        ):
+            np.testing.assert_allclose(as_record((times, self.SAMPLES)).time, np.arange(200) / 100, atol=1e-9)
+
+    def test_texts_that_are_none_name_the_way(self) -> None:
+        frame = pd.DataFrame({"time": [str(k) for k in range(200)], "seat": self.SAMPLES})
+        with pytest.raises(RecordError, match=r"data\['time'\] = pandas.to_numeric"):
+            as_record(frame)
+        frame = pd.DataFrame({"time": self.STAMPS, "seat": ["0,5"] * 200})
+        with pytest.raises(RecordError, match=r"pandas.to_numeric\(data\['seat'\].str.replace"):
+            as_record(frame)
+        with pytest.raises(RecordError, match=r"leave them out, as in data.drop\(columns=\['gear'\]\)"):
+            as_record(pd.DataFrame({"time": self.STAMPS, "seat": self.SAMPLES, "gear": ["N"] * 200}))

@@ -96,6 +96,19 @@ class TestFamilies:
         f, zeta = np.array([1.1, 1.1, 9.0, 10.5, 90.0]), np.array([0.31, 0.05, 0.2, 0.2, 0.2])
         assert families_of_car(f, zeta, np.zeros(5, int), car).tolist() == [0, 1, OTHERS, 2, OTHERS]
 
+    def test_a_record_is_counted_once(self) -> None:
+        """One record of twenty has two modes in the peak of the body: the nearer one is that of the body."""
+        f = np.append(np.linspace(1.0, 1.04, 20), 1.08)
+        label = families_by_density(f, np.full(21, 0.3), np.append(np.arange(20), 19))
+        assert label[:20].tolist() == [0] * 20
+        assert label[20] == OTHERS
+
+    def test_a_third_mode_beside_a_pair_is_no_second_one(self) -> None:
+        f, record = np.tile([1.0, 1.1], 20), np.repeat(np.arange(20), 2)
+        label = families_by_density(np.append(f, 1.12), np.full(41, 0.3), np.append(record, 3))
+        assert label[:40].tolist() == [0, 1] * 20
+        assert label[40] == OTHERS
+
 
 class TestDistributionsAndOutliers:
     def test_what_is_not_stated_is_empty(self) -> None:

@@ -26,6 +26,9 @@ STEP = re.compile(
     r"call |`suspid ",
 )
 
+QUARTER = suspid.quarter_car(
+    chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=2e5, chassis_damping=1500
+)
 # Arguments and functions as they are written in Python.
 IN_PYTHON = [name for name in (*ARGUMENTS_AS_OPTIONS, *suspid.__all__) if "_" in name and name.islower()]
 PYTHON = re.compile(
@@ -122,6 +125,39 @@ COMMANDS = [
     f"estimate {RECORD} --car {CAR} --std 0.1",
     "help",
     "-v",
+    f"identify {RECORD} --channel time",
+    f"channels {RECORD} --json x.json",
+    f"estimate {RECORD} --car {CAR} --modes 3",
+    f"identify {RECORD} --snr 20",
+    f"reconstruct {CAR} modes.json",
+    "fleet examples -o results --scheduler here",
+    "compare - -",
+    "identify -",
+    "modes -",
+    f"identify {RECORD} --plot -",
+    f"report {RECORD} -o -",
+    f"identify {RECORD} --band 2,20",
+    f"identify {RECORD} --band 2Hz 20Hz",
+    f"identify {RECORD} --from 0:02",
+    f"identify {RECORD} --decay 0",
+    f"identify {RECORD} --scale chassis=1e3mm",
+    f"identify {RECORD},examples/other.csv",
+    f"identify {RECORD} --channel Seat",
+    f"identify {RECORD} --json /nowhere/x.json",
+    f"report {RECORD} -o r.html --car {CAR} --given whel",
+    f"reconstruct {CAR}",
+    f"modes {CAR} --impulse road",
+    f"simulate {CAR} -o d.mat --impulse road",
+    f"simulate {CAR} -o d.csv --impulse wheel",
+    f"simulate {CAR} -o d.csv --initial v_tire=fast",
+    f"simulate {CAR} -o d.csv --road J --speed 20 --seed 1",
+    f"simulate {CAR} -o d.csv --impulse road --channel body",
+    f"ride {CAR} --road C --speed 20 --weighting seat=Wz",
+    f"ride {CAR} --road C --speed 20 --clearance seat",
+    f"grip {RECORD}",
+    f"grip {CAR} --load 400",
+    f"tune {CAR} --road C --speed 20 --points 0",
+    f"identify {RECORD} -- --modes 3",
 ]
 
 CALLS: list[Callable[[], object]] = [
@@ -145,6 +181,9 @@ CALLS: list[Callable[[], object]] = [
     lambda: Limit(of="chassis", quantity="stiffnes", least=1.0),
     lambda: Limit(of=1, quantity="zeta"),
     lambda: suspid.read_car("examples/quarter_car.csv"),
+    lambda: suspid.classify_road((np.arange(0, 30, 0.005), np.sin(5 * np.arange(0, 30, 0.005))), speed=20.0),
+    lambda: suspid.wear(suspid.eigenmodes(QUARTER)),  # type: ignore[arg-type]
+    lambda: suspid.compare(suspid.reconstruct(suspid.eigenmodes(QUARTER), QUARTER), suspid.eigenmodes(QUARTER)),
 ]
 
 
@@ -258,3 +297,26 @@ def test_a_file_given_where_a_result_is_needed(name: str) -> None:
     with pytest.raises(SuspidError) as caught:
         verb(RECORD, *unnamed, **named)
     assert STEP.search(str(caught.value))
+
+
+@pytest.mark.parametrize(
+    ("call", "way"),
+    [
+        (lambda: suspid.identify(np.arange(400) / 100, DECAY), r"as one pair, identify\(\(t, y\)\)"),  # type: ignore[call-arg]
+        (lambda: suspid.identify(DECAY, 100), "by name, such as fs="),  # type: ignore[call-arg]
+        (lambda: suspid.identify(DECAY, fs=100, band=(1, 10)), "Did you mean 'band_hz'"),  # type: ignore[call-arg]
+        (lambda: suspid.identify(DECAY, fs=100, order=4), "Did you mean 'modes'"),  # type: ignore[call-arg]
+        (lambda: suspid.cwt(DECAY, fs=100, freqs=[1.0]), "Did you mean 'omega'"),  # type: ignore[call-arg]
+        (lambda: suspid.quarter_car(400, 40), "by name, such as seat_mass="),  # type: ignore[call-arg]
+    ],
+)
+def test_a_call_that_does_not_fit_the_signature_names_the_way(call: Callable[[], object], way: str) -> None:
+    with pytest.raises(TypeError, match=way):
+        call()
+
+
+def test_a_mapping_and_a_name_of_a_mode() -> None:
+    with pytest.raises(SuspidError, match="channels=.*data"):
+        suspid.identify({"seat": DECAY}, fs=100)
+    with pytest.raises(SuspidError, match="attribute, such as .wn"):
+        suspid.eigenmodes(QUARTER)["wn"]  # type: ignore[index]

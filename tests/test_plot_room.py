@@ -15,22 +15,29 @@ from suspid import (
     ModalSet,
     add_noise,
     cwt,
+    damper_curve,
+    eigenmodes,
     estimate,
     free_decay,
     grip,
     identify,
+    plot_damper_curve,
     plot_estimate,
     plot_grip,
     plot_identification,
     plot_ride,
     plot_scalogram,
     plot_sensitivities,
+    plot_shapes,
     quarter_car,
     ride,
+    road_profile,
     sensitivities,
+    simulate,
 )
 from suspid.reporting import PAGE
 from suspid.reporting.axes import entitle
+from suspid.results import NOTEBOOK
 from validation import cars
 
 pytestmark = pytest.mark.slow
@@ -126,6 +133,28 @@ CAR = quarter_car(
 )
 
 
+class TestKeys:
+    def test_of_a_spectrum_alone(self) -> None:
+        """In a notebook the panel of the weightings, whose key it is on a page, is not there."""
+        ax = drawn(NOTEBOOK)
+        ride(CAR, road="C", speed=20.0).plot(ax)
+        key = ax.get_legend()
+        assert key is not None
+        assert [text.get_text() for text in key.get_texts()] == ["not weighted", "Wk", "Wf"]
+
+    def test_wheels_with_one_curve_are_both_seen(self) -> None:
+        ax = drawn(NOTEBOOK)
+        grip(cars.FOUR_WHEELS).plot(ax)
+        assert [line.get_linestyle() for line in ax.lines[:4]] == ["-", "--", "-", "--"]
+
+    def test_numbers_of_many_modes_stand_apart(self) -> None:
+        ax = plot_shapes(eigenmodes(cars.FOUR_WHEELS), ax=drawn(PHONE))
+        figure_of(ax).draw_without_rendering()
+        boxes = [label.get_window_extent() for label in ax.get_xticklabels()]
+        # A point of room between two numbers.
+        assert all(one.x1 + 1 < other.x0 for one, other in pairwise(boxes))
+
+
 class TestPages:
     """Pages of several panels in every size: no text over another, none beyond the edge."""
 
@@ -136,6 +165,24 @@ class TestPages:
     @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
     def test_of_ride(self, size: tuple[float, float]) -> None:
         assert overlaps(plot_ride(ride(CAR, road="C", speed=20.0, nominal_std=0.05), Figure(figsize=size))) == []
+
+    @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
+    def test_of_the_ride_of_a_full_car(self, size: tuple[float, float]) -> None:
+        assert overlaps(plot_ride(ride(cars.FOUR_WHEELS, road="C", speed=20.0), Figure(figsize=size))) == []
+
+    @pytest.mark.parametrize("size", [(3.6, 5.0), SLIDE, PAGE], ids=["phone", "slide", "A4"])
+    def test_of_many_sensitivities(self, size: tuple[float, float]) -> None:
+        figure = Figure(figsize=size, layout="constrained")
+        plot_sensitivities(sensitivities(cars.FOUR_WHEELS), figure.subplots())
+        assert overlaps(figure) == []
+
+    def test_of_a_damper(self) -> None:
+        t = np.arange(0, 12, 0.005)
+        road = road_profile(20 * t, roughness="B", rng=np.random.default_rng(1), wavelengths=(0.5, 100.0))
+        sensors = ["chassis_acceleration", "tire_acceleration"]
+        record = simulate(CAR, t, {"road": road}, outputs=sensors, interpolation="cubic")
+        ax = plot_damper_curve(damper_curve(record, CAR, strut="chassis", nodes=8), drawn(PHONE))
+        assert overlaps(figure_of(ax)) == []
 
     @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
     def test_of_an_estimate(self, size: tuple[float, float]) -> None:

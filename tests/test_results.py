@@ -19,6 +19,8 @@ from suspid import (
     ModalSet,
     RawChannel,
     Recording,
+    Strut,
+    Suspension,
     add_noise,
     analyse,
     analyse_drive,
@@ -248,3 +250,38 @@ def test_lists_and_failing_tests_show_a_line_of_each(results: dict[str, Any]) ->
     assert repr(results["estimate"].verdict).startswith("<Verdict sound: 6 parameters")
     channel = RawChannel(name="seat", unit="m", timepts=np.arange(9.0), values=np.arange(9.0), rate=1.0)
     assert repr(channel) == "RawChannel(name='seat', unit='m', rate=1.0, test='')"
+
+
+class TestHostileNames:
+    """Names from files reach a terminal by `print`, a notebook and a debugger: none is a command there."""
+
+    HOSTILE = ("\x1b[31mseat\x1b[0m", "chas\u202esis\nb", "<b>$ti_re$</b>" + "x" * 300)
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def found(cls) -> tuple[object, ...]:
+        seat, chassis, tire = cls.HOSTILE
+        car = Suspension(
+            masses=dict.fromkeys(cls.HOSTILE, 200.0),
+            struts=(
+                Strut(name=seat, stiffness=200e3, damping=300, arms={seat: 1, chassis: -1}),
+                Strut(name=chassis, stiffness=400e3, damping=200, arms={chassis: 1, tire: -1}),
+                Strut(name=tire, stiffness=800e3, damping=100, arms={tire: 1, "road": -1}),
+            ),
+        )
+        record = free_decay(car, np.arange(0, 3, 0.005), initial_state={f"v_{tire}": 1.0})
+        identified = identify(add_noise(record, snr_db=30.0, rng=np.random.default_rng(1)), modes=3)
+        return identified, reconstruct(identified.modes, car), grip(car), ride(car, road="C", speed=20.0)
+
+    def test_they_are_printed_escaped(self, found: tuple[object, ...]) -> None:
+        for one in found:
+            for text in (str(one), repr(one), one.details(), one._repr_html_()):  # type: ignore[attr-defined]
+                assert all(line.isprintable() for line in text.split("\n"))
+                assert "<b>" not in text or not text.startswith("<pre")
+            assert "\n" not in repr(one)
+
+    def test_long_ones_leave_room_for_the_numbers(self, found: tuple[object, ...]) -> None:
+        tables = [line for one in found for line in str(one).split("\n") if "…" in line and "  " in line]
+        assert tables
+        assert max(map(len, tables)) <= 140
+        assert max(len(repr(one)) for one in found) <= 340

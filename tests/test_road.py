@@ -282,7 +282,7 @@ class TestFolding:
         rest = 2 * spacing**exponent * 199.5 ** (1 - exponent) / (exponent - 1)
         everything = n**-exponent + np.sum((folds - n) ** -exponent + (folds + n) ** -exponent, axis=0) + rest
         held = 4 * np.sin(np.pi * n * spacing) ** 2
-        used, (level, found, covariance, _) = _fitted_unfolded(n, everything * held, held, spacing)
+        used, (level, found, covariance, *_) = _fitted_unfolded(n, everything * held, held, spacing)
         off = np.array([level - exponent * np.log(10.0), found - exponent]) / np.sqrt(np.diag(covariance))
         assert np.all(np.abs(off) < 1.1 * MOST_FOLDING)
         np.testing.assert_allclose(

@@ -43,6 +43,48 @@ def test_exponents_that_no_road_has_are_doubted(exponent: float, doubted: bool) 
     assert (RoadCheck.NO_POWER_LAW in [doubt.code for doubt in found.verdict.doubts]) is doubted
 
 
+WAVES = {
+    "sine": 0.02 * np.sin(2 * np.pi * 1.5 * TIME),
+    "sine in noise": 0.02 * np.sin(2 * np.pi * 1.5 * TIME) + 1e-4 * np.random.default_rng(1).normal(size=TIME.size),
+    "sweep": 0.02 * np.sin(2 * np.pi * (0.5 * TIME + 0.1 * TIME**2)),
+    "bump": 0.05 * np.exp(-(((TIME - 3) / 0.1) ** 2)),
+}
+
+
+@pytest.mark.parametrize("name", WAVES)
+def test_heights_that_are_no_road_get_no_class(name: str) -> None:
+    with pytest.raises(InputError, match="not .* a road.*(give|check)"):
+        classify_road((TIME, WAVES[name]), speed=20.0)
+
+
+@pytest.mark.parametrize("omega", [1.5, 5.0, 20.0, 130.3])
+def test_no_length_of_a_sine_gets_a_class(omega: float) -> None:
+    """One that ends within a period leaks into all lines of a record without a window."""
+    with pytest.raises(InputError, match="waves of one length"):
+        classify_road((TIME, np.sin(omega * TIME)), speed=20.0)
+
+
+def test_the_length_of_a_sine_is_named() -> None:
+    with pytest.raises(InputError, match=r"13\.3 m"):
+        classify_road((TIME, WAVES["sine"]), speed=20.0)
+
+
+def test_a_single_kerb_is_no_random_road() -> None:
+    """A step has the mean spectrum of a road with the exponent 2, whose lines do not scatter as random ones do."""
+    found = classify_road((TIME, np.where(TIME > 3, 0.05, 0.0)), speed=20.0)
+    assert found.exponent == pytest.approx(2.0, abs=0.05)
+    assert RoadCheck.ONE_EVENT in [doubt.code for doubt in found.verdict.doubts]
+
+
+def test_scatter_of_random_roads_is_not_doubted() -> None:
+    """On the shortest records, too, where the departure of 20 exponential lines varies most."""
+    made = road("B", speed=20.0)
+    for seed in range(40):
+        record = made.record(np.arange(0, 14, 0.005), rng=np.random.default_rng(seed))
+        found = classify_road(record, speed=20.0, wavelengths=(10.0, 100.0))
+        assert RoadCheck.ONE_EVENT not in [doubt.code for doubt in found.verdict.doubts]
+
+
 @pytest.mark.parametrize(("metres", "enough"), [(170, False), (280, True)])
 def test_twenty_spectral_lines_are_needed(metres: float, enough: bool) -> None:
     """Between wavelengths of 10 and 100 m there are 0.09 lines for each metre of a road."""

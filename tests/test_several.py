@@ -118,6 +118,13 @@ class TestRefusals:
         with pytest.raises(InputError, match=r"b\.csv is sampled at 100 Hz, a\.csv at 200 Hz"):
             analyse([write("a"), write("b", fs=100)])
 
+    def test_a_copy_under_another_name(self, write: Write, tmp_path: Path) -> None:
+        one = write("one")
+        copy = tmp_path / "copy.csv"
+        copy.write_bytes(Path(one).read_bytes())
+        with pytest.raises(InputError, match="copy.csv has the samples of .*leave one out"):
+            analyse([one, copy])
+
     def test_one_file_twice(self, write: Write) -> None:
         done = run("identify", write("a"), write("a"))
         assert done.exit_code == 1

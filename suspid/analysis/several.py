@@ -72,7 +72,7 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
     Raises
     ------
     InputError
-        If one of them has other channels or another rate.
+        If one of them has other channels, another rate, or the samples of another one.
     """
     first, notes, made = parts[0], list[Remark](), list[Part]()
     wanted = as_signal(first.record)
@@ -108,8 +108,19 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
         record = part.record
         if apart > EQUAL_RATE or signal.channels != wanted.channels:
             record = like(record, timepts, rows, wanted.channels, title=part.name)
+        copied = next((one.name for one in made if _same_samples(one.record, record)), None)
+        if copied is not None:
+            raise InputError(
+                f"{part.name} has the samples of {copied}: a copy is no second test, and intervals would be too "
+                f"narrow; leave one out"
+            )
         made.append(Part(source=part.source, name=part.name, record=record))
     return made, notes
+
+
+def _same_samples(one: control.TimeResponseData, other: control.TimeResponseData) -> bool:
+    """Return whether two records have the same samples: noise of two tests never is the same."""
+    return np.array_equal(as_signal(one).values, as_signal(other).values)
 
 
 def belonging(repeats: Repeats, names: Sequence[str]) -> Iterator[Check]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.cleaning.conversions import converted
-from suspid.cleaning.data_forms import RecordLike, is_response, real_samples, samples_of
+from suspid.cleaning.data_forms import RecordLike, is_response, samples_of, time_samples
 from suspid.errors import RecordError
 from suspid.records import as_response
 from suspid.signals import check_size, real_numbers, uniform_step
@@ -39,14 +39,14 @@ def as_record(
     Parameters
     ----------
     data : array_like (channel, sample) or (sample,), or a table
-        Samples; a pair ``(timepts, samples)``; a pandas Series or DataFrame whose index, or a column named as a time,
-        is the time; an xarray DataArray or Dataset with a dimension of time; or a control.TimeResponseData. Several
-        traces, as of `control.impulse_response`, become channels named ``output_from_input``; inputs that
-        move nothing are left out.
+        Samples; a pair ``(timepts, samples)``; a pandas Series or DataFrame whose index, or a column named as a time
+        or with dates or times of day, is the time; an xarray DataArray or Dataset with a dimension of time; or a
+        control.TimeResponseData. Several traces, as of `control.impulse_response`, become channels named
+        ``output_from_input``; inputs that move nothing are left out.
     fs : float, optional
         Sampling rate [Hz]; it replaces a time in the data.
     timepts : array_like (sample,), optional
-        Time of each sample [s], uniform; it replaces a time in the data.
+        Time of each sample [s], or dates or times of day, uniform; it replaces a time in the data.
     channels : sequence of str, optional
         Names of the channels. Default: those of the table, or y[0], y[1], ….
     units : sequence of str or mapping of str to str, optional
@@ -92,7 +92,7 @@ def as_record(
             raise RecordError(Argument("channels", f"{channels!r:.80}"), f" must name {len(values)} channels, in order")
         names = [str(name) for name in channels]
     if timepts is not None:
-        time = real_samples(timepts, "timepts")
+        time = time_samples(timepts, "timepts")
     if fs is not None:
         time = np.arange(values.shape[1]) / fs
     if time is None:

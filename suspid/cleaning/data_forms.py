@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from suspid.cleaning.conversions import converted, si_unit
+from suspid.cleaning.times_of_day import elapsed
 from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.io import bracketed_unit, is_time, seconds_in
@@ -42,9 +44,14 @@ def samples_of(
         return _of_xarray(data, samples, own_units=own_units)
     if isinstance(data, tuple) and len(data) == 2 and np.ndim(data[0]) == 1 and np.shape(data[0]) != ():
         values = _matrix(data[1], np.size(data[0]))
-        return values, real_samples(data[0], "time"), _numbered(values)
+        return values, time_samples(data[0], "time"), _numbered(values)
     if isinstance(data, str) or hasattr(data, "__fspath__"):
         raise RecordError(f"{printable(str(data))!r:.80} is a path: read it with read_record, or pass it to analyse")
+    if isinstance(data, Mapping):
+        raise RecordError(
+            "a mapping of names to samples: write as_record([*data.values()], channels=[*data], fs=...) with the "
+            "sampling rate in Hz, without the time"
+        )
     if isinstance(data, Recording):
         raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
     values = _matrix(data, samples)
@@ -83,18 +90,37 @@ def _of_pandas(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]
             break
     kept = {name: column for name, column in columns.items() if name != used}
     words = [name for name, column in kept.items() if column.dtype.kind not in "iufb"]
-    if words:
+    if words and time is None and any(map(is_time, words)):
+        name = next(filter(is_time, words))
         raise RecordError(
-            f"columns without real numbers: {', '.join(map(repr, words[:3]))}; leave them out, as in "
-            f"data.select_dtypes('number')"
+            f"column {name!r} is text, such as {next(iter(kept[name]), '')!r:.40}, and neither a date nor a time of "
+            f"day: convert it to seconds, as in data[{name!r}] = pandas.to_numeric(data[{name!r}])"
+        )
+    if words:
+        numbers = [name for name in words if _is_number(next(iter(kept[name]), ""))]
+        ways = (
+            f"convert it, as in pandas.to_numeric(data[{numbers[0]!r}].str.replace(',', '.')), or " if numbers else ""
+        )
+        raise RecordError(
+            f"columns without real numbers: {', '.join(map(repr, words[:3]))}; {ways}leave them out, as in "
+            f"data.drop(columns={words[:3]!r})"
         )
     return _matrix([column.to_numpy(float) for column in kept.values()]), time, list(kept)
 
 
+def _is_number(cell: object) -> bool:
+    """Return whether a text is a number, with decimals after a point or a comma."""
+    try:
+        float(str(cell).replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
 def _index_time(index: RecordLike) -> RealArray | None:
     """Return the time that an index of pandas is [s]; None for one that counts the rows or contains no numbers."""
-    if index.dtype.kind in "mM":
-        return _elapsed(index.to_series())
+    if (times := elapsed(index.to_series())) is not None:
+        return times
     name = "" if index.name is None else str(index.name)
     if index.dtype.kind not in "iuf" or (not name and index.dtype.kind != "f"):
         return None
@@ -103,19 +129,9 @@ def _index_time(index: RecordLike) -> RealArray | None:
 
 
 def _column_time(name: str, column: RecordLike) -> RealArray | None:
-    if column.dtype.kind in "mM":
-        return _elapsed(column)
-    return seconds_in(name, np.asarray(column.to_numpy(), float)) if column.dtype.kind in "iuf" else None
-
-
-def _elapsed(stamps: RecordLike) -> RealArray:
-    """Return the seconds since the first date, or those of durations."""
-    # Whole nanoseconds: a date of our age in seconds has no more than 2e-7 s as a float.
-    kind = "datetime64[ns]" if stamps.dtype.kind == "M" else "timedelta64[ns]"
-    counts = np.asarray(stamps.to_numpy(), kind) if hasattr(stamps, "dims") else stamps.to_numpy(kind)
-    known = ~np.isnat(counts)
-    first = counts[known][:1] if kind.startswith("date") else np.zeros(1, kind)
-    return np.where(known, (counts - first).astype(np.int64) / 1e9 if known.any() else np.nan, np.nan)
+    if column.dtype.kind in "iuf":
+        return seconds_in(name, np.asarray(column.to_numpy(), float))
+    return elapsed(column)
 
 
 def _of_xarray(
@@ -192,3 +208,10 @@ def real_samples(data: RecordLike, what: str) -> RealArray:
 
 def _numbered(values: RealArray) -> list[str]:
     return [f"y[{i}]" for i in range(len(values))]
+
+
+def time_samples(data: RecordLike, what: str) -> RealArray:
+    """Return time points [s]: numbers, or what dates, durations and times of day have since the first."""
+    array = np.asarray(data)
+    times = elapsed(array) if array.ndim == 1 and array.dtype.kind in "mMOUT" else None
+    return real_samples(data, what) if times is None else times

@@ -1,8 +1,9 @@
-"""The command that compares two results: springs, dampers, grip and wear, or modes."""
+"""The command that compares two results: springs, dampers, grip and wear, or springs and dampers alone, or modes."""
 
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import FILE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive
+from suspid.cli.streams import FILE, FOUND, JSON_FILE
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
 from suspid.text_tables import text_table
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from suspid.greybox import Estimate
-    from suspid.model import Comparison
+    from suspid.model import Comparison, FoundParameters, ModalSet
     from suspid.performance import Grip, WearRule
 
 # What files hold by the start of their format; all others are read as modes.
@@ -38,11 +39,13 @@ HELD_BY_FORMAT = {
     "suspid damper": "the curve of a damper",
     "suspid compare": "a comparison",
 }
+# Kinds whose springs and dampers are compared with each other.
+SPRINGS = {"an estimate", "a reconstruction"}
 
 
 @click.command("compare")
-@click.argument("before", type=FILE, nargs=-1, required=True, metavar="BEFORE...")
-@click.argument("after", type=FILE)
+@click.argument("before", type=FOUND, nargs=-1, required=True, metavar="BEFORE...")
+@click.argument("after", type=FOUND)
 @click.option(
     "--damper-std",
     type=Positive("share"),
@@ -57,7 +60,7 @@ HELD_BY_FORMAT = {
     help="Relative standard deviation of springs and dampers that were not estimated, such as those of tires.",
 )
 @click.option("--plot", type=FILE, metavar="FILE", help="Write a picture of before and after (.png, .svg, .pdf).")
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
 def compare_command(
     before: tuple[Path, ...],
     after: Path,
@@ -71,10 +74,13 @@ def compare_command(
 
     Both are the JSON of `suspid estimate` or `suspid drive`: shows the change of every spring and damper, the grip
     before and after, and whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a
-    history: with six or more, their own scatter is used. With the JSON of `suspid identify` it shows which modes differ
-    by more than their intervals. --plot draws the intervals of both.
+    history: with six or more, their own scatter is used. With the JSON of `suspid reconstruct` it shows which springs
+    and dampers differ by more than their intervals, with that of `suspid identify` which modes, and with that of
+    `suspid report` both. --plot draws the intervals of both.
     """
     from suspid.identification import to_json
+    from suspid.model import compare
+    from suspid.reporting import comparison_to_dict
 
     check_apart([*before, after], [plot, json_file])
     with (
@@ -84,13 +90,14 @@ def compare_command(
     ):
         kind = _kind(after)
         for path in before:
-            if _kind(path) != kind:
+            if _kind(path) != kind and {_kind(path), kind} != SPRINGS:
                 raise InputError(f"{path} holds {_kind(path)} and {after} {kind}: compare results of one kind")
-        if kind not in ("an estimate", "modes"):
+        if kind not in (*SPRINGS, "modes"):
             raise InputError(
-                f"{after} and {before[0]} each hold {kind}; give results of suspid estimate, drive or identify"
+                f"{after} and {before[0]} each hold {kind}; give results of suspid estimate, drive, reconstruct or "
+                f"identify"
             )
-        if kind == "an estimate":
+        if kind == "an estimate" and all(_kind(path) == kind for path in before):
             from suspid.performance import wear
             from suspid.reporting import read_curves, read_estimate, wear_to_dict
 
@@ -108,18 +115,26 @@ def compare_command(
             if figure_draft:
                 save_picture(partial(_draw_estimates, earlier[-1], read_estimate(after), found.after), figure_draft)
         else:
+            what, stated = (
+                ("modes", "modes, which have") if kind == "modes" else ("reconstructions", "values that have")
+            )
             if len(before) > 1:
-                raise click.UsageError("Compare the modes of two results at a time.")
+                raise click.UsageError(f"Compare the {what} of two results at a time.")
             unused = {"--damper-std": damper_std, "--load-std": load_std, "--nominal-std": nominal_std}
             if given := [name for name, value in unused.items() if value is not None]:
                 raise click.UsageError(
-                    f"{after} and {before[0]} hold modes, which have their own standard deviations; leave out "
-                    f"{listed(given)}, meant for springs and dampers."
+                    f"{after} and {before[0]} hold {stated} their own standard deviations; leave out "
+                    f"{listed(given)}, meant for estimates from drives."
                 )
-            text, content = _modes(before[0], after)
+            compared = compare(_read(after), _read(before[0]))
+            reported = [_reported(path) for path in (after, before[0])] if kind == "modes" else []
+            if len(reported) == 2 and reported[0] is not None and reported[1] is not None:
+                springs = compare(reported[0], reported[1])
+                compared = replace(compared, table=(*compared.table, *springs.table))
+            text, content = changes_in_words(compared), comparison_to_dict(compared)
             if figure_draft:
                 # Half a page [inch].
-                save_picture(partial(_draw_modes, before[0], after), figure_draft, size=(8.27, 5.8))
+                save_picture(partial(_draw, before[0], after), figure_draft, size=(8.27, 5.8))
         if json_draft:
             json_draft.write_text(to_json(content), encoding="utf-8")
     say(text)
@@ -140,11 +155,39 @@ def _draw_estimates(before: Estimate, after: Estimate, grip: Grip | None, figure
     lower.suptitle("grip after", x=0.02, ha="left", fontsize="medium")
 
 
-def _draw_modes(before: Path, after: Path, figure: Figure) -> None:
-    from suspid.identification import read_modes
+def _draw(before: Path, after: Path, figure: Figure) -> None:
     from suspid.reporting import plot_comparison
 
-    plot_comparison(read_modes(before), read_modes(after), figure)
+    plot_comparison(_read(before), _read(after), figure)
+
+
+def _read(path: Path) -> ModalSet | Estimate | FoundParameters:
+    """Return modes, or springs and dampers, of a file."""
+    from suspid.identification import read_modes
+    from suspid.reconstruction import parameters_from_dict
+    from suspid.reporting import read_estimate
+
+    kind = _kind(path)
+    if kind == "a reconstruction":
+        with naming(path):
+            return parameters_from_dict(parsed_json(read_text(path)))
+    return read_estimate(path) if kind == "an estimate" else read_modes(path)
+
+
+def _reported(path: Path) -> Estimate | FoundParameters | None:
+    """Return the springs and dampers beside the modes of a report; None where it has none."""
+    from suspid.reconstruction import parameters_from_dict
+    from suspid.reporting import estimate_from_dict
+
+    if path.suffix.lower() == ".toml":
+        return None
+    with naming(path):
+        content = parsed_json(read_text(path))
+        for name, read in (("estimate", estimate_from_dict), ("reconstruction", parameters_from_dict)):
+            found = content.get(name)
+            if isinstance(found, dict):
+                return read(found)
+    return None
 
 
 def _kind(path: Path) -> str:
@@ -159,25 +202,14 @@ def _kind(path: Path) -> str:
 
 
 def _rule(damper_std: float | None, load_std: float | None) -> WearRule:
-    from dataclasses import replace
-
     from suspid.performance import WearRule
 
     given = {"damper_std": damper_std, "load_std": load_std}
     return replace(WearRule(), **{name: value for name, value in given.items() if value is not None})
 
 
-def _modes(before: Path, after: Path) -> tuple[str, dict[str, object]]:
-    from suspid.identification import read_modes
-    from suspid.model import compare
-    from suspid.reporting import comparison_to_dict
-
-    found = compare(read_modes(after), read_modes(before))
-    return changes_in_words(found), comparison_to_dict(found)
-
-
 def changes_in_words(found: Comparison) -> str:
-    """Return what changed between two sets of modes, of which one came before the other, as a table.
+    """Return what changed between two results, of which one came before the other, as a table.
 
     Examples
     --------

@@ -11,10 +11,11 @@ import click
 
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
-from suspid.cli.options import FILE, RECORD, packed, progress, reading
+from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
+from suspid.cli.streams import CAR, FILE, FOUND, RECORD
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits, Drives
 
@@ -58,13 +59,13 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
 
 @click.command("drive")
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
-@click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
+@click.option("--car", type=CAR, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
 @reading
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
 @packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
 @wanting
-@click.option("--before", type=FILE, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
+@click.option("--before", type=FOUND, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a report (.html, .pdf).")
 @writing

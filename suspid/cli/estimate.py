@@ -12,9 +12,10 @@ import click
 from suspid.analysis import Settings, check_limits, read_limits
 from suspid.cli.fitting import GIVEN, fitted, sensing, tests_of
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
-from suspid.cli.options import FILE, RECORD, packed, progress, reading
+from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.streams import CAR, FILE, RECORD
 from suspid.files import replacing
 
 
@@ -36,12 +37,12 @@ ROAD = (
 @click.command("estimate")
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @reading
-@click.option("--car", type=FILE, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")
+@click.option("--car", type=CAR, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")
 @GIVEN
 @packed(road_of, ROAD, "road")
 @sensing
 @wanting
-@click.option("--limits", type=FILE, metavar="FILE", help="Limits of modes, springs and dampers (.toml).")
+@click.option("--limits", type=CAR, metavar="FILE", help="Limits of modes, springs and dampers (.toml).")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a report (.html, .pdf).")
 @writing

@@ -16,10 +16,11 @@ from suspid.analysis import CarSettings, Settings
 from suspid.cli.commands import stopped_code
 from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
 from suspid.cli.measured import drafted, sources_of
-from suspid.cli.options import FILE, analysing, packed
+from suspid.cli.options import analysing, packed
 from suspid.cli.output import said_warnings, say
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
 from suspid.cli.quantities import Positive, Whole
+from suspid.cli.streams import CAR, FILE, RECORD
 from suspid.files import printable
 from suspid.greybox import DriveLimits
 
@@ -45,15 +46,15 @@ OF_DECAYS = ("which", "modes", "method", "band")
 @click.option("--csv", is_flag=True, help="Write the tables of RESULTS as CSV too.")
 @click.option("--drives", is_flag=True, help="Each record is a drive, as for `suspid drive`.")
 @click.option("--workers", type=Whole(1), help="Processes on this machine. [one per core]")
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler instead, such as tcp://host:8786.")
-@click.option("--car", type=FILE, metavar="CAR", help="Car (.toml): find springs and dampers as well.")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler instead, such as HOST:8786.")
+@click.option("--car", type=CAR, metavar="CAR", help="Car (.toml): find springs and dampers as well.")
 @wanting
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
 @packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
 @click.option("--time-limit", type=Positive("seconds"), help="Longest time for one record. [none]")
 @click.option("--chunk", type=Whole(1), help="Records per task and part of a table. [32; 4 drives]")
-@click.option("--table", type=FILE, metavar="CSV", help="Columns record, vehicle, date: look for trends.")
+@click.option("--table", type=RECORD, metavar="CSV", help="Columns record, vehicle, date: look for trends.")
 @click.option(
     "--vehicle-from", "pattern", metavar="PATTERN", help="Vehicle and date from file names: (?P<vehicle>…)/(?P<date>…)."
 )

@@ -12,11 +12,12 @@ import click
 import numpy as np
 
 from suspid.cli.named_values import pairs
-from suspid.cli.options import FILE, LINEARISE
+from suspid.cli.options import LINEARISE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ridden import linear_car_of
 from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, drawing
+from suspid.cli.streams import CAR, JSON_FILE
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
 from suspid.text_tables import bound_columns, text_table
@@ -27,14 +28,14 @@ if TYPE_CHECKING:
 
 
 @click.command("grip")
-@click.argument("source", type=FILE, metavar="CAR")
+@click.argument("source", type=CAR, metavar="CAR")
 @click.option("--load", "loads", metavar="WHEEL=N", multiple=True, help="Static contact force as weighed; repeat.")
 @click.option("--amplitude", type=Positive("metres"), help="Amplitude of the platform. [0.003]")
 @LINEARISE
 @STATED_STD
 @click.option("--level", type=Probability(), help="Print intervals of this probability, such as 0.95.")
 @PICTURE_OF_RIDE
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write figures and intervals as JSON.")
 def grip_command(
     source: Path,
     loads: tuple[str, ...],

@@ -18,14 +18,15 @@ from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
 from suspid.cli.grip import grip_command
 from suspid.cli.measured import channels_command, identify_command
-from suspid.cli.options import FILE, LINEARISE
-from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.options import LINEARISE
+from suspid.cli.output import check_apart, said_warnings, say, shown
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
 from suspid.cli.report import report_command
 from suspid.cli.ridden import OF_CARS, made_linear
 from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
+from suspid.cli.streams import CAR, FOUND, JSON_FILE
 from suspid.cli.tune import tune_command
 from suspid.errors import InputError
 from suspid.files import printable
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
 @click.version_option(package_name="suspid", message="suspid %(version)s")
 def main() -> None:
     """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes.
+
+    In place of a file that is read, - is the standard input. In place of a JSON, a car or a simulated record that is
+    written, - is the standard output; the text of the result then goes to the standard error.
 
     Exit codes: 0 done, also where no mode was found; 1 refused, with one line that says why; 2 the command line is
     wrong; 3 a car was found that does not explain the modes; 130 stopped by Ctrl-C, 143 by SIGTERM.
@@ -59,8 +63,8 @@ main.add_command(tune_command)
 
 
 @main.command("reconstruct")
-@click.argument("modes", type=FILE, nargs=-1, required=True)
-@click.argument("car", type=FILE)
+@click.argument("modes", type=FOUND, nargs=-1, required=True)
+@click.argument("car", type=CAR)
 @wanting
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
 @LINEARISE
@@ -89,6 +93,10 @@ def reconstruct_command(
     from suspid.model import car_to_toml, read_car, read_constraints
     from suspid.reconstruction import ModalTest, reconstruct, reconstruction_to_dict
 
+    if car.suffix.lower() == ".json" and modes[0].suffix.lower() == ".toml":
+        raise click.UsageError(
+            f"MODES come first and CAR last: suspid reconstruct {shown(str(car))} {shown(str(modes[0]))}"
+        )
     if len({path.resolve() for path in modes}) < len(modes):
         raise click.UsageError("One of the MODES is named twice: name each once.")
     check_apart([*modes, car], [outputs.output, outputs.json_file])
@@ -138,9 +146,9 @@ def described_car(source: Path) -> Suspension:
 
 
 @main.command("modes")
-@click.argument("car", type=FILE)
+@click.argument("car", type=CAR)
 @LINEARISE
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the modes as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write the modes as JSON.")
 def modes_command(car: Path, linearise: float | None, json_file: Path | None) -> None:
     """Show the exact modes of CAR (.toml)."""
     from suspid.identification import write_modes

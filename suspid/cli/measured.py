@@ -16,8 +16,9 @@ import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse
 from suspid.cli.commands import ARGUMENTS
-from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, RECORD, TIME_OPTION, analysing, progress
+from suspid.cli.options import DBC_OPTION, FS_OPTION, TIME_OPTION, analysing, progress
 from suspid.cli.output import check_apart, in_the_file, said_warnings, say, shown
+from suspid.cli.streams import FILE, JSON_FILE, RECORD
 from suspid.errors import InputError
 from suspid.files import naming, printable, replacing
 from suspid.samples import held
@@ -56,7 +57,9 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @analysing
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
+@click.option(
+    "--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON."
+)
 def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | None, json_file: Path | None) -> None:
     """Find the modes in the record FILE.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 
@@ -86,6 +87,8 @@ CALLED_ELSEWHERE: Mapping[str, tuple[str, ...]] = {
     "-o": ("--json",),
     "-v": ("--version",),
 }
+# Likeness of two names from which one may be meant by the other: a letter or two of a short one are wrong.
+LIKE_NAME = 0.75
 
 
 def in_options(*commands: click.Command | None) -> AbstractContextManager[None]:
@@ -113,8 +116,19 @@ def named_elsewhere() -> Iterator[None]:
     except click.NoSuchOption as error:
         command = None if error.ctx is None else error.ctx.command
         known = {name for option in getattr(command, "params", ()) for name in option.opts} | {"--version"}
-        meant = next((name for name in CALLED_ELSEWHERE.get(error.option_name, ()) if name in known), None)
-        if meant is None:
-            raise
-        text = f"No such option '{error.option_name}'. Did you mean '{meant}'?"
+        meant = [name for name in CALLED_ELSEWHERE.get(error.option_name, ()) if name in known][:1]
+        meant = meant or difflib.get_close_matches(error.option_name, sorted(known), n=2, cutoff=LIKE_NAME)
+        have = [] if meant else _commands_with(error.option_name, error.ctx)
+        way = f"Did you mean {' or '.join(map(repr, meant))}?" if meant else ""
+        if have:
+            way = f"Commands that have it: {', '.join(have)}."
+        text = f"No such option '{error.option_name}'. {way}".rstrip()
         raise click.NoSuchOption(error.option_name, text, ctx=error.ctx) from None
+
+
+def _commands_with(option: str, ctx: click.Context | None) -> list[str]:
+    """Return the commands beside that of a context, or below it, that have an option."""
+    groups = () if ctx is None else (ctx.command, *([] if ctx.parent is None else [ctx.parent.command]))
+    group = next((one for one in groups if isinstance(one, click.Group)), None)
+    commands = {} if group is None else group.commands
+    return [name for name, one in commands.items() if any(option in each.opts for each in one.params)]

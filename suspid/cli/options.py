@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import inspect
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal, TypeAlias, cast, get_args
 
 import click
@@ -16,57 +14,11 @@ import click
 from suspid.analysis import Settings
 from suspid.cli.named_values import names_in, pairs
 from suspid.cli.option_names import in_options
-from suspid.cli.output import PIPED, STANDARD_INPUT
 from suspid.cli.quantities import Finite, Positive, Whole
+from suspid.cli.streams import FILE
 from suspid.errors import InputError
 from suspid.identification import Method, identify
 
-FILE = click.Path(path_type=Path)
-# First bytes of the kinds of binary files that a pipe may carry; everything else is text.
-KINDS = {
-    b"\x89HDF": ".h5",
-    b"MATLAB": ".mat",
-    b"RIFF": ".wav",
-    b"PAR1": ".parquet",
-    b"\x93NUMPY": ".npy",
-    b"PK": ".npz",
-    b"TDSm": ".tdms",
-    b"MDF": ".mf4",
-}
-
-
-class Record(click.Path):
-    """A file that is read; ``-`` is the standard input, kept in a file while the command runs."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path."""
-        if str(value) != "-" or ctx is None:
-            return super().convert(value, param, ctx)
-        content = sys.stdin.buffer.read()
-        if not content:
-            self.fail("- is the standard input, and it is empty: pipe a record into it, or name a file.", param, ctx)
-        folder = ctx.with_resource(TemporaryDirectory(prefix="suspid-"))
-        suffix = next((kind for start, kind in KINDS.items() if content.startswith(start)), ".csv")
-        path = Path(folder, f"{STANDARD_INPUT}{suffix}")
-        path.write_bytes(content)
-        ctx.meta[PIPED] = path
-        return path
-
-
-class CarFile(click.Path):
-    """A file that a car is written to: named .toml, as only such a name is read as a car again; or a device."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path."""
-        path: Any = super().convert(value, param, ctx)
-        device = path.exists() and not path.is_file() and not path.is_dir()
-        if path.suffix.lower() != ".toml" and not device:
-            self.fail(f"{str(path)!r}: a car is written as TOML; name it {path.stem}.toml.", param, ctx)
-        return path
-
-
-RECORD = Record(path_type=Path)
-CAR_FILE = CarFile(path_type=Path)
 TIME_OPTION = click.option(
     "--time", metavar="NAME", help="Column of time, if its name does not say so; none: ignore times in the file."
 )

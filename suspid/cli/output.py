@@ -19,8 +19,10 @@ from suspid.files import printable
 
 # How systems say that nothing more can be written.
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-# Where the context keeps the file that holds the standard input, and what users read in place of its path.
-PIPED, STANDARD_INPUT = "suspid.piped", "standard input"
+# Where the context keeps the files that hold the standard input and output, with what users read in place of their
+# paths, and the file that is written to the standard output at the end.
+STANDS_FOR, WRITTEN_OUT = "suspid.stands_for", "suspid.written_out"
+STANDARD_INPUT, STANDARD_OUTPUT = "standard input", "standard output"
 
 
 class Failed(click.ClickException):
@@ -46,11 +48,11 @@ def said_when_full() -> Iterator[None]:
 
 
 def shown(text: str) -> str:
-    """Return a line as it may reach the terminal and files: printable, and without the place of the standard input."""
+    """Return a line as it may reach the terminal and files: printable, and without the place of standard streams."""
     context = click.get_current_context(silent=True)
-    piped = None if context is None else context.meta.get(PIPED)
-    for name in () if piped is None else (str(piped), Path(piped).name):
-        text = text.replace(name, STANDARD_INPUT)
+    streams: dict[Path, str] = {} if context is None else context.meta.get(STANDS_FOR, {})
+    for path, stream in streams.items():
+        text = text.replace(str(path), stream).replace(path.name, stream)
     return printable(text)
 
 
@@ -67,10 +69,13 @@ def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
 def say(text: str) -> None:
     """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
     lines = [shown(line) for line in text.split("\n")]
-    if sys.stdout.isatty():
+    context = click.get_current_context(silent=True)
+    # A result that is written to the standard output stands there alone.
+    aside = context is not None and WRITTEN_OUT in context.meta
+    if (sys.stderr if aside else sys.stdout).isatty():
         lines = broken(lines, shutil.get_terminal_size().columns)
     try:
-        click.echo("\n".join(lines))
+        click.echo("\n".join(lines), err=aside)
     except OSError as refusal:
         if refusal.errno == errno.EPIPE:
             raise

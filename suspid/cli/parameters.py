@@ -12,9 +12,10 @@ import click
 
 from suspid.cli.named_values import names_in
 from suspid.cli.option_names import in_options
-from suspid.cli.options import CAR_FILE, FILE, Decorator, packed
+from suspid.cli.options import Decorator, packed
 from suspid.cli.output import say
 from suspid.cli.quantities import Positive, Probability
+from suspid.cli.streams import CAR_FILE, JSON_FILE
 from suspid.files import replacing
 from suspid.levels import LEVEL
 from suspid.simulation import ROUGHNESS
@@ -173,7 +174,7 @@ writing: Decorator = packed(
         ),
         click.option("-o", "--output", type=CAR_FILE, metavar="FILE", help="Write the car that was found as TOML."),
         click.option(
-            "--json", "json_file", type=FILE, metavar="FILE", help="Write parameters and uncertainty as JSON."
+            "--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write parameters and uncertainty as JSON."
         ),
     ),
     "outputs",

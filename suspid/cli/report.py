@@ -14,9 +14,10 @@ import click
 from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, read_limits
 from suspid.cli.fitting import GIVEN, fitted, tests_of
 from suspid.cli.measured import MOST_FINDINGS, said_of, sources_of, writer
-from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, analysing, progress, road_named
+from suspid.cli.options import AT_SPEED, ON_ROAD, analysing, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Probability
+from suspid.cli.streams import CAR, FILE, JSON_FILE, RECORD
 from suspid.errors import EstimationError
 from suspid.files import naming, printable, replacing
 from suspid.levels import LEVEL
@@ -33,15 +34,15 @@ if TYPE_CHECKING:
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The report to write (.html, .pdf).")
 @analysing
-@click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
+@click.option("--car", type=CAR, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
 @GIVEN
 @ON_ROAD
 @AT_SPEED
-@click.option("--limits", type=FILE, metavar="FILE", help="Limits of modes, springs and dampers (.toml).")
+@click.option("--limits", type=CAR, metavar="FILE", help="Limits of modes, springs and dampers (.toml).")
 @click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Format of the report. [that of the name]")
 @click.option("--level", type=Probability(), default=LEVEL, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the contents of the report as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write the contents of the report as JSON.")
 @click.option("--title", metavar="TEXT", help="Title of the report. [name of the file]")
 @click.option("--date", metavar="TEXT", help="Date of the report. [now]")
 def report_command(

@@ -15,11 +15,12 @@ import numpy as np
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.named_values import pairs
-from suspid.cli.options import AT_SPEED, FILE, LINEARISE, ON_ROAD, RECORD, reading, road_named
-from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.options import AT_SPEED, LINEARISE, ON_ROAD, reading, road_named
+from suspid.cli.output import check_apart, said_warnings, say, shown
 from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ridden import OF_CARS, linear_car_of, record_of
-from suspid.files import naming, printable, replacing
+from suspid.cli.streams import FILE, JSON_FILE, RECORD
+from suspid.files import naming, replacing
 from suspid.text_tables import bound_columns, text_table
 from suspid.words.ride import RideCheck
 
@@ -69,7 +70,7 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
     "--sensitivities", "tables", is_flag=True, help="Show the sensitivity of modes and figures to springs and dampers."
 )
 @PICTURE_OF_RIDE
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write figures and intervals as JSON.")
 def ride_command(
     source: Path,
     settings: Settings,
@@ -107,7 +108,7 @@ def ride_command(
         what_it_is = "a car" if of_car else "a record, since cars are .toml or .json"
         raise click.UsageError(
             f"A car needs --road and --speed, such as --road C --speed 20; a record takes none of them. "
-            f"{printable(source.name)} is {what_it_is}."
+            f"{shown(source.name)} is {what_it_is}."
         )
     if of_car and settings != Settings(decay=settings.decay):
         raise click.UsageError("A car has no channels and no time: options for records do not apply.")

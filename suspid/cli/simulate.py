@@ -12,9 +12,9 @@ import numpy as np
 
 from suspid.cli.measured import record_in_words
 from suspid.cli.named_values import names_in, pairs
-from suspid.cli.options import FILE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Finite, Positive, Profile, Whole
+from suspid.cli.streams import CAR, RECORD_FILE
 from suspid.files import printable, replacing
 from suspid.records import as_response, inputs_of
 from suspid.signals import as_signal
@@ -32,8 +32,8 @@ REST = 0.5
 
 
 @click.command("simulate")
-@click.argument("car", type=FILE)
-@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The record to write (.csv).")
+@click.argument("car", type=CAR)
+@click.option("-o", "--output", type=RECORD_FILE, metavar="FILE", required=True, help="The record to write (.csv).")
 @click.option("--fs", type=Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")
 @click.option("--duration", type=Positive("seconds"), default=10.0, show_default=True, help="Length of the record.")
 @click.option("--impulse", metavar="INPUT", help="Free decay after a unit impulse on an input, such as road.")

@@ -10,18 +10,19 @@ from pathlib import Path
 import click
 
 from suspid.cli.named_values import names_in, pairs
-from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, LINEARISE, ON_ROAD, progress, road_named
+from suspid.cli.options import AT_SPEED, LINEARISE, ON_ROAD, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import bounds_by_name
 from suspid.cli.quantities import Positive, Whole
 from suspid.cli.ridden import linear_car_of
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, drawing
+from suspid.cli.streams import CAR, CAR_FILE, JSON_FILE
 from suspid.files import naming, replacing
 from suspid.words.tuning import TuningCheck
 
 
 @click.command("tune")
-@click.argument("source", type=FILE, metavar="CAR")
+@click.argument("source", type=CAR, metavar="CAR")
 @ON_ROAD
 @AT_SPEED
 @click.option(
@@ -60,7 +61,7 @@ from suspid.words.tuning import TuningCheck
 @LINEARISE
 @STATED_STD
 @PICTURE_OF_RIDE
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the cars and their figures as JSON.")
+@click.option("--json", "json_file", type=JSON_FILE, metavar="FILE", help="Write the cars and their figures as JSON.")
 @click.option("-o", "--output", type=CAR_FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
 def tune_command(
     source: Path,

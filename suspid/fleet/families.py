@@ -29,8 +29,9 @@ def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]
     """Return the family of each mode, numbered from 0 in order of frequency; `OTHERS` where there are too few.
 
     A family is a peak of the density of log frequency. Where most records have two or more modes in one peak, these
-    are separated by damping or by frequency, whichever separates them better. Each row of ``f`` (in any unit), ``zeta``
-    and ``record`` (its number) is one mode.
+    are separated by damping or by frequency, whichever separates them better. A family takes at most one mode of a
+    record, the nearest to its middle. Each row of ``f`` (in any unit), ``zeta`` and ``record`` (its number) is one
+    mode.
 
     Examples
     --------
@@ -52,7 +53,7 @@ def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]
         if len(np.unique(record[here])) < max(3, 0.02 * records):
             continue
         parts = _told_apart(x[here], np.log(np.maximum(np.abs(zeta[here]), 1e-4)), record[here])
-        label[here] = count + parts
+        label[here] = np.where(parts == OTHERS, OTHERS, count + parts)
         count += int(np.max(parts)) + 1
     return label
 
@@ -80,10 +81,7 @@ def families_of_car(f: RealArray, zeta: RealArray, record: NDArray[np.int64], mo
     rows = np.arange(len(f))
     label = np.where(apart[rows, nearest] < BEYOND, nearest, OTHERS)
     # Of several rows of one record that are nearest to one mode, only the nearest is assigned.
-    order = np.lexsort((far[rows, nearest], label, record))
-    same = (record[order][1:] == record[order][:-1]) & (label[order][1:] == label[order][:-1])
-    label[order[1:][same]] = OTHERS
-    return np.asarray(label, dtype=np.int64)
+    return _nearest_alone(np.asarray(label, dtype=np.int64), far[rows, nearest], record)
 
 
 def _valleys(x: RealArray) -> RealArray:
@@ -103,11 +101,11 @@ def _valleys(x: RealArray) -> RealArray:
 
 
 def _told_apart(x: RealArray, y: RealArray, record: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the number of each row among the modes that most records have in this peak, from 0."""
+    """Return the number of each row among the modes that most records have in this peak, from 0; else `OTHERS`."""
     _, place, counts = np.unique(record, return_inverse=True, return_counts=True)
     many = int(np.median(counts))
     if many < 2:
-        return np.zeros(len(x), dtype=np.int64)
+        return _nearest_alone(np.zeros(len(x), dtype=np.int64), np.abs(x - np.median(x)), place)
     full = counts[place] == many
     best: tuple[float, RealArray, RealArray] | None = None
     for values in (x, y):
@@ -124,4 +122,13 @@ def _told_apart(x: RealArray, y: RealArray, record: NDArray[np.int64]) -> NDArra
     rows = np.flatnonzero(full)
     order = rows[np.lexsort((values[full], place[full]))]
     label[order] = np.tile(np.arange(many), len(order) // many)
-    return np.asarray(label, dtype=np.int64)
+    return _nearest_alone(np.asarray(label, dtype=np.int64), np.abs(values - middle[label]), place)
+
+
+def _nearest_alone(label: NDArray[np.int64], far: RealArray, record: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the labels, of which each record keeps one of a kind: that of its nearest row; `OTHERS` of the rest."""
+    order = np.lexsort((far, label, record))
+    same = (record[order][1:] == record[order][:-1]) & (label[order][1:] == label[order][:-1])
+    alone = label.copy()
+    alone[order[1:][same]] = OTHERS
+    return alone

@@ -205,7 +205,7 @@ class FleetSummary(Result):
         if self.others:
             parts.append(
                 f"{count(self.others, 'mode')} {'belongs' if self.others == 1 else 'belong'} to no group: "
-                "too few records have one there"
+                "too few records have one there, or a record has another that is nearer"
             )
         if self.outliers:
             shown = self.outliers[:MOST_SHOWN]

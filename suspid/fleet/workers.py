@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -75,6 +76,9 @@ def dask_engine(scheduler: str | Client) -> Iterator[Engine]:
 
 
 def _connected(connect: Any, address: str) -> object:
+    # A client that has no port to call waits for minutes when it is closed.
+    if not re.search(r":\d+/?$", address) and not address.startswith("inproc"):
+        raise InputError(f"{printable(address)}: the address of a Dask scheduler has a port, such as tcp://HOST:8786")
     try:
         return connect(address, set_as_default=False, timeout=FIRST_WORKER)
     except (OSError, ValueError, TimeoutError) as refusal:

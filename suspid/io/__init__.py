@@ -11,6 +11,7 @@ from suspid.io.formats import READERS
 from suspid.io.names import LONGEST_READ as LONGEST_READ
 from suspid.io.names import bare_name, bracketed_unit, is_time
 from suspid.io.read_recording import read_recording
+from suspid.io.text.cells import clock_seconds
 from suspid.io.time_units import seconds_in
 from suspid.io.write_record import check_record_name, write_record
 
@@ -19,6 +20,7 @@ __all__ = [
     "bare_name",
     "bracketed_unit",
     "check_record_name",
+    "clock_seconds",
     "install_line",
     "is_time",
     "read_recording",

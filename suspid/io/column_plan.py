@@ -85,6 +85,11 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
     unclear = [name for name in table.sizes if is_time_in_unknown_unit(name)]
     if names and time is None and rate is None and unclear:
         raise RecordError(unknown_unit(unclear[0]))
+    taken = [name for name in names if is_time(name)]
+    if taken and time is None and rate is None:
+        raise RecordError(
+            f"{taken[0]!r} is the time of the other columns, and no channel: leave it out of ({Argument('channels')})"
+        )
     if names and time is None and rate is None:
         odd = "".join(f"; {name!r} {why}" for name, why in table.unusable.items() if is_time(name))
         raise RecordError(

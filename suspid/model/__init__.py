@@ -15,6 +15,7 @@ from suspid.model.comparison import Comparison
 from suspid.model.covariance import check_definite
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
 from suspid.model.force_curves import Curve, equal_work, piecewise, slopes
+from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
 from suspid.model.interval import Interval
@@ -33,6 +34,8 @@ __all__ = [
     "FORCE",
     "Comparison",
     "Curve",
+    "FoundCar",
+    "FoundParameters",
     "Interval",
     "ModalSet",
     "OutputRows",
@@ -51,6 +54,7 @@ __all__ = [
     "equal_work",
     "finite_number",
     "force_weights",
+    "found_parameters",
     "full_car",
     "half_car",
     "modal_table",

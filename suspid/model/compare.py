@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import cast
 
 import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import EXACT, NORMAL_95, ROUNDING
+from suspid.model.compare_parameters import compare_parameters
 from suspid.model.comparison import ComparedValue, Comparison
 from suspid.model.force_curves import piecewise
+from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters
 from suspid.model.matching import common_mac, paired
 from suspid.model.modes import ModalSet
 from suspid.model.strut import Strut
@@ -23,13 +26,13 @@ WN_ZETA = ("wn", "zeta")
 
 @explained
 def compare(
-    found: ModalSet | Suspension,
-    expected: ModalSet | Suspension,
+    found: ModalSet | Suspension | FoundCar | FoundParameters,
+    expected: ModalSet | Suspension | FoundCar | FoundParameters,
     *,
     rtol: Ratio | Mapping[str, Ratio] | None = None,
     sigmas: float | None = None,
 ) -> Comparison:
-    """Compare an estimate with the truth: two sets of modes, or two suspensions of one topology.
+    """Compare an estimate with the truth, or with an earlier one: modes, springs and dampers, or suspensions.
 
     Modes are paired by nearest poles, never by position: the optimal assignment on ``|a - b| / max(|a|, |b|)``, plus
     ``1 - MAC`` where both sides have shapes on at least two common channels. Poles further apart than half the larger
@@ -38,20 +41,22 @@ def compare(
 
     Parameters
     ----------
-    found : ModalSet or Suspension
+    found : ModalSet, Suspension, Reconstruction or Estimate
         The estimate.
-    expected : ModalSet or Suspension
-        The truth, of the same type.
+    expected : ModalSet, Suspension, Reconstruction or Estimate
+        The truth, or an earlier result. Modes are compared with modes, suspensions of one topology with each other. Of
+        a reconstruction or estimate, the springs, dampers and masses that were found are compared, with those of
+        another or of a suspension.
     rtol : float or mapping, optional
-        Allowed error, of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value
+        Allowed error; of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value
         [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken relative to
         the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1 (critical
         damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default: the 95 %
-        interval of each difference, from the covariance of the modes that carry one (of both, as if independent, when
-        both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated values one is
+        interval of each difference, from the covariance of the results that carry one (of both, as if independent,
+        when both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated values one is
         expected to fall outside.
     sigmas : float, optional
-        Width of these intervals of modes [standard deviations]. Default: 1.96, which is 95 %.
+        Width of these intervals [standard deviations]. Default: 1.96, which is 95 %.
 
     Returns
     -------
@@ -61,7 +66,7 @@ def compare(
     Raises
     ------
     InputError
-        If the two are of different types, the suspensions have different masses or struts by name or arms, or rtol or
+        If the two cannot be compared, the suspensions have different masses or struts by name or arms, or rtol or
         sigmas is not such a number, or would judge nothing.
 
     Examples
@@ -81,17 +86,40 @@ def compare(
     mean absolute error: wn 0.005 rad/s, zeta 0
     """
     if isinstance(found, ModalSet) and isinstance(expected, ModalSet):
-        return _compare_modes(found, expected, _by_quantity(rtol), _checked_sigmas(sigmas, found, expected))
+        known = found.covariance is not None or expected.covariance is not None
+        return _compare_modes(found, expected, _by_quantity(rtol), _checked_sigmas(sigmas, known=known))
     if isinstance(found, Suspension) and isinstance(expected, Suspension):
         if isinstance(rtol, Mapping) or sigmas is not None:
             raise InputError("rtol by quantity and sigmas are for modes; two suspensions take one rtol")
         _check_rtol(rtol)
         return _compare_suspensions(found, expected, rtol)
+    sides = [_parameters(one) for one in (found, expected)]
+    if sides[0] is not None and sides[1] is not None:
+        if isinstance(rtol, Mapping):
+            raise InputError("rtol by quantity is for modes; springs and dampers take one rtol")
+        _check_rtol(rtol)
+        known = any(side is not None and side.stds is not None for side in sides)
+        width = _checked_sigmas(sigmas, known=known)
+        rule = _rule_in_words(rtol, width if known else None)
+        return compare_parameters(sides[0], sides[1], rtol=rtol, sigmas=width, rule=rule)
     hints = [f"; take its .{a}" for x in (found, expected) for a in ("modes", "suspension") if hasattr(x, a)]
     raise InputError(
-        f"compare needs two ModalSets or two Suspensions, not {type(found).__name__} and {type(expected).__name__}"
-        + "".join(dict.fromkeys(hints))
+        f"compare needs two ModalSets, or two of Suspension, Reconstruction and Estimate, not "
+        f"{type(found).__name__} and {type(expected).__name__}" + "".join(dict.fromkeys(hints))
     )
+
+
+def _parameters(one: object) -> FoundParameters | None:
+    """Return the parameters of what may stand on one side; None of what has none."""
+    if isinstance(one, FoundParameters):
+        return one
+    if isinstance(one, Suspension):
+        values = {f"{name}.mass": mass for name, mass in one.masses.items()}
+        values |= {f"{s.name}.{what}": float(getattr(s, what)) for s in one.struts for what in ("stiffness", "damping")}
+        return FoundParameters(values=values, stds=None)
+    if all(hasattr(one, name) for name in ("suspension", "parameters", "covariance")):
+        return found_parameters(cast("FoundCar", one))
+    return None
 
 
 def _check_rtol(rtol: Ratio | None) -> None:
@@ -109,12 +137,12 @@ def _by_quantity(rtol: Ratio | Mapping[str, Ratio] | None) -> dict[str, Ratio]:
     return given
 
 
-def _checked_sigmas(sigmas: float | None, found: ModalSet, expected: ModalSet) -> float:
+def _checked_sigmas(sigmas: float | None, *, known: bool) -> float:
     if sigmas is None:
         return NORMAL_95
     if not (np.isfinite(sigmas) and sigmas > 0):
         raise InputError(f"{sigmas=} must be a number above 0, such as 3")
-    if found.covariance is None and expected.covariance is None:
+    if not known:
         raise InputError(f"{sigmas=}: neither side has standard deviations; give rtol")
     return sigmas
 
@@ -136,14 +164,14 @@ def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Mapping[str, Ratio
     if mac is not None:
         matched_mac = frozen_real([mac[partner[j], j] if j in partner else np.nan for j in range(len(expected))])
     known = found.covariance is not None or expected.covariance is not None
-    rules = {name: _mode_rule(rtol.get(name), sigmas if known else None) for name in WN_ZETA}
+    rules = {name: _rule_in_words(rtol.get(name), sigmas if known else None) for name in WN_ZETA}
     same = len(set(rules.values())) == 1
     rule = f"allowed: {rules['wn'] if same else ', '.join(f'{name} {rule}' for name, rule in rules.items())}"
     return Comparison(table=tuple(rows), mae=_mean_errors(rows, WN_ZETA), mac=matched_mac, rule=rule)
 
 
-def _mode_rule(rtol: Ratio | None, sigmas: float | None) -> str:
-    """Return the allowed error of a quantity of modes in words."""
+def _rule_in_words(rtol: Ratio | None, sigmas: float | None) -> str:
+    """Return the allowed error in words."""
     if rtol is not None or sigmas is None:
         return f"{EXACT if rtol is None else rtol:g} relative"
     if sigmas == NORMAL_95:

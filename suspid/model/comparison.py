@@ -1,4 +1,4 @@
-"""A comparison of two sets of modes or of two suspensions: its values and its verdict."""
+"""A comparison of two sets of modes, or of springs and dampers: its values and its verdict."""
 
 from __future__ import annotations
 

@@ -149,6 +149,11 @@ class ModalSet(Result):
         """
         if isinstance(index, int | np.integer) and not -len(self) <= index < len(self):
             raise IndexError(f"there is no mode {index}: there are {len(self)}")
+        given: object = index
+        if isinstance(given, str):
+            raise InputError(
+                f"modes are chosen by number, from 0 on; {given!r} may be an attribute, such as .wn or .zeta"
+            )
         kept, covariance = np.atleast_1d(np.arange(len(self))[index]), self.covariance
         if covariance is not None:
             entries = covariance_order(kept, len(covariance), len(self))

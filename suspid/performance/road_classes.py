@@ -35,6 +35,14 @@ FEWEST_WAVES, LINES_OF_PIECE = 20, 16
 # Shares of half the sampling rate up to which lines are used: the largest one at which folding is no matter. Heights
 # are points of a road with shorter waves, which fold into those lines: at the exponent 2 they add 11 % at a half.
 UNFOLDED = tuple((0.5 * 0.8 ** np.arange(12)).tolist())
+# Share of the mean square slope, under a Hann window, from which a few lines beside each other are waves of one length
+# and no road. None of 20 000 of the shortest records of roads with exponents up to 3 has more; at 4 one of 300.
+ONE_WAVE, LINES_OF_WAVE = 0.99, 5
+# Mean square of the lines' departures from the fit, over that of a random road, below which the road is no random one:
+# with the fewest lines one of a hundred thousand has less.
+LEAST_SCATTER = 0.15
+# Largest step of the logarithm of a line in the search of the fit: from far off, the next would be too far.
+LARGEST_LOG_STEP = 2.0
 # Error by folding, in standard deviations, up to which it is none: intervals of 95 % then hold 94.5 %.
 MOST_FOLDING = 0.2
 
@@ -210,7 +218,7 @@ def classify_road(
     if pace.shape not in ((), signal.timepts.shape) or not np.all(np.isfinite(pace) & (pace > 0)):
         raise InputError(f"speed must be positive, one number or one for each of {len(signal.timepts)} samples [m/s]")
     spacing, heights = _over_distance(heights, signal.step, pace)
-    n, power, held = _slopes(heights, spacing, (short, long))
+    n, power, held, windowed = _slopes(heights, spacing, (short, long))
     first = int(np.sum(_unfolded(n, spacing, UNFOLDED[0])))
     if first < FEWEST_WAVES:
         raise InputError(
@@ -218,7 +226,9 @@ def classify_road(
             f"{spacing:.4g} m give {first} spectral lines between wavelengths of {short:g} and {long:g} m, "
             f"{FEWEST_WAVES} are needed; check the speed"
         )
-    n, (level, exponent, covariance, excess) = _fitted_unfolded(n, power, held, spacing)
+    _check_waves(name, n, windowed)
+    n, (level, exponent, covariance, excess, scatter) = _fitted_unfolded(n, power, held, spacing)
+    _check_line(name, _line(n, (power / held)[: len(n)])[1], excess)
     used = (float(1 / n[-1]), float(1 / n[0]))
     return RoadClass(
         roughness=float(np.exp(level)),
@@ -227,7 +237,7 @@ def classify_road(
         wavelengths=used,
         verdict=Verdict(
             Remark(RoadHeadline.CLASS, {"name": road_class(float(np.exp(level)))}),
-            tuple(_checks(level, exponent, float(np.sqrt(covariance[0, 0])), excess)),
+            tuple(_checks(level, exponent, float(np.sqrt(covariance[0, 0])), excess, scatter)),
         ),
     )
 
@@ -276,6 +286,41 @@ def class_shares(roughness: float, std: float) -> dict[str, float]:
     return dict(zip(ROAD_LIMITS, np.diff(ends, prepend=0.0).tolist(), strict=True))
 
 
+def _check_waves(name: str, n: RealArray, power: RealArray) -> None:
+    """Refuse heights with one wavelength alone, such as those of a sine.
+
+    Raises
+    ------
+    InputError
+        If a few lines beside each other hold all of the slope.
+    """
+    total = float(np.sum(power))
+    near = np.convolve(power, np.ones(LINES_OF_WAVE), mode="same")
+    share = float(np.max(near)) / total if total > 0 else 0.0
+    if share >= ONE_WAVE:
+        length = 1 / n[int(np.argmax(power))]
+        raise InputError(
+            f"channel {name!r} is not the height of a road: waves of one length, {length:.3g} m, hold "
+            f"{100 * share:.3g} % of its mean square slope, as those of a sine; give heights with many wavelengths"
+        )
+
+
+def _check_line(name: str, exponent: float, excess: tuple[float, int]) -> None:
+    """Refuse a spectrum that is neither a line nor, by most of its lines, as steep as one of a road.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+    """
+    low, high = EXPONENTS
+    if not low <= exponent <= high and not likely(*excess):
+        raise InputError(
+            f"channel {name!r} is not the height of a road: its spectrum is not a straight line, and the exponent of "
+            f"most of it, {exponent:.2g}, is outside the range of roads, {low:g} to {high:g}; check the channel"
+        )
+
+
 def _over_distance(heights: RealArray, step: float, pace: RealArray) -> tuple[Metre, RealArray]:
     """Return the largest spacing of samples over distance, and heights at that spacing."""
     if pace.ndim == 0 or not np.ptp(pace):
@@ -289,19 +334,24 @@ def _over_distance(heights: RealArray, step: float, pace: RealArray) -> tuple[Me
 
 def _slopes(
     heights: RealArray, spacing: Metre, wavelengths: tuple[Metre, Metre]
-) -> tuple[RealArray, RealArray, RealArray]:
-    """Return wavenumbers, the periodogram of differences of the heights, and what differences do to a density."""
+) -> tuple[RealArray, RealArray, RealArray, RealArray]:
+    """Return wavenumbers, the periodogram of differences of the heights, and what differences do to a density.
+
+    The last is the periodogram under a Hann window, in which a sine of any length fills a few lines alone.
+    """
     differences = np.diff(heights)
     differences = differences - np.mean(differences)
     n = np.fft.rfftfreq(len(differences), spacing)
     power = 2 * spacing / len(differences) * np.abs(np.fft.rfft(differences)) ** 2
     use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], 0.5 / spacing)) & (n > 0)
     lines = np.asarray(n[use], float)
-    return lines, power[use], 4 * np.sin(np.pi * lines * spacing) ** 2
+    windowed = np.abs(np.fft.rfft(differences * np.hanning(len(differences)))) ** 2
+    return lines, power[use], 4 * np.sin(np.pi * lines * spacing) ** 2, windowed[use]
 
 
-# Log level, exponent, their covariance, and chi-square of the spectrum against the line with its degrees of freedom.
-Fitted: TypeAlias = tuple[float, float, RealArray, tuple[float, int]]
+# Log level, exponent, their covariance, chi-square of the spectrum against the line with its degrees of freedom, and
+# the mean square of the lines' departures.
+Fitted: TypeAlias = tuple[float, float, RealArray, tuple[float, int], float]
 
 
 def _fitted_unfolded(n: RealArray, power: RealArray, held: RealArray, spacing: Metre) -> tuple[RealArray, Fitted]:
@@ -340,14 +390,21 @@ def _design(n: RealArray) -> RealArray:
     return np.column_stack([np.ones(len(n)), -np.log(n / REFERENCE)])
 
 
+def _line(n: RealArray, density: RealArray) -> RealArray:
+    """Return log level and exponent of the line through the logarithms, which a few strong lines hardly move."""
+    logs = np.log(np.maximum(density, 1e-300)) + np.euler_gamma
+    return np.asarray(np.linalg.lstsq(_design(n), logs, rcond=None)[0])
+
+
 def _fitted(n: RealArray, power: RealArray, held: RealArray) -> Fitted:
     """Return log level, exponent, their covariance, and chi-square of the spectrum against the line."""
     X = _design(n)
-    p = np.linalg.lstsq(X, np.log(np.maximum(power / held, 1e-300)) + np.euler_gamma, rcond=None)[0]
+    p = _line(n, power / held)
     for _ in range(50):
         # Fisher scoring of an exponential distribution with a log-linear mean.
         score = power / (held * np.exp(X @ p)) - 1
         step = np.linalg.solve(X.T @ X, X.T @ score)
+        step = step * min(1.0, LARGEST_LOG_STEP / max(float(np.max(np.abs(X @ step))), LARGEST_LOG_STEP))
         p = p + step
         if np.max(np.abs(step)) < 1e-10:
             break
@@ -357,10 +414,11 @@ def _fitted(n: RealArray, power: RealArray, held: RealArray) -> Fitted:
     covariance = np.asarray(bread * max(1.0, float(np.mean(score**2))), float)
     pieces = np.array_split(score, max(len(score) // LINES_OF_PIECE, 3))
     bends = np.array([np.sum(piece) ** 2 / len(piece) for piece in pieces])
-    return float(p[0]), float(p[1]), covariance, (float(np.sum(bends)), len(pieces) - 2)
+    scatter = float(np.mean(score**2))
+    return float(p[0]), float(p[1]), covariance, (float(np.sum(bends)), len(pieces) - 2), scatter
 
 
-def _checks(level: float, exponent: float, std: float, excess: tuple[float, int]) -> Iterator[Check]:
+def _checks(level: float, exponent: float, std: float, excess: tuple[float, int], scatter: float) -> Iterator[Check]:
     shares = class_shares(float(np.exp(level)), std)
     best = max(shares, key=lambda name: shares[name])
     if shares[best] >= LEVEL:
@@ -376,5 +434,7 @@ def _checks(level: float, exponent: float, std: float, excess: tuple[float, int]
     if not low <= exponent <= high:
         beyond: dict[str, Number] = {"exponent": exponent, "low": low, "high": high}
         yield Check(Remark(RoadCheck.NO_POWER_LAW, beyond), Level.DOUBTFUL)
+    if scatter < LEAST_SCATTER:
+        yield Check(Remark(RoadCheck.ONE_EVENT), Level.DOUBTFUL)
     if not likely(*excess):
         yield Check(Remark(RoadCheck.BENT, {"chi_square": excess[0], "freedom": excess[1]}), Level.CARE)

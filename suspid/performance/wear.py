@@ -157,7 +157,10 @@ def _estimates(now: Estimate, before: Estimate | Sequence[Estimate] | None) -> l
 
 def _check(what: str, one: object) -> None:
     if not isinstance(one, Estimate):
-        raise InputError(f"{what}: wear compares estimates, not {type(one).__name__}; see estimate and read_estimate")
+        raise InputError(
+            f"{what}: wear compares estimates, not {type(one).__name__}; see estimate and read_estimate, "
+            f"and compare for reconstructions and modes"
+        )
 
 
 def _shape(car: Suspension) -> tuple[object, ...]:

@@ -8,7 +8,7 @@ through, and lists every other suspension that the same modes allow. Below it: `
 
 from suspid.reconstruction.alternatives import even_starts
 from suspid.reconstruction.asked import Bounds, unknowns_of
-from suspid.reconstruction.car_json import reconstruction_to_dict
+from suspid.reconstruction.car_json import parameters_from_dict, reconstruction_to_dict
 from suspid.reconstruction.descent import LARGEST_STEP, descend
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, check_asked
@@ -40,6 +40,7 @@ __all__ = [
     "parameter_names",
     "parameter_values",
     "parameter_vector",
+    "parameters_from_dict",
     "reconstruct",
     "reconstruction_to_dict",
     "tables_of_reconstruction",

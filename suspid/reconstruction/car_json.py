@@ -20,10 +20,17 @@ An object with
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
+from suspid.errors import InputError
 from suspid.levels import LEVEL
+from suspid.model import FoundParameters
 from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.unknowns import parameter_values, unit_of
 from suspid.units import Ratio
+
+FORMAT = "suspid car 1"
 
 
 def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> dict[str, object]:
@@ -48,7 +55,7 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
         stds = [float(variance) ** 0.5 for variance in found.covariance.diagonal()]
         ends, apart = found.interval(level), found.beyond_chance(level)
     return {
-        "format": "suspid car 1",
+        "format": FORMAT,
         "parameters": [
             {
                 "name": name,
@@ -83,3 +90,36 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
         ],
         "suspid": version("suspid"),
     }
+
+
+def parameters_from_dict(content: Mapping[str, object]) -> FoundParameters:
+    """Return the parameters and their standard deviations of what `reconstruction_to_dict` wrote.
+
+    Raises
+    ------
+    InputError
+        If it is not such a JSON, or its numbers are none.
+
+    Examples
+    --------
+    >>> from suspid import eigenmodes, quarter_car, reconstruct
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> found = parameters_from_dict(reconstruction_to_dict(reconstruct(eigenmodes(car), car)))
+    >>> round(found.values["tire.stiffness"]), found.stds
+    (200000, None)
+    """
+    form, rows = content.get("format"), content.get("parameters")
+    if form != FORMAT or not isinstance(rows, list):
+        raise InputError(f"format {form!r} is not {FORMAT!r}; write the file with suspid reconstruct --json")
+    values, stds = dict[str, float](), dict[str, float | None]()
+    for row in rows:
+        try:
+            name, std = str(row["name"]), row["std"]
+            values[name], stds[name] = float(row["value"]), None if std is None else float(std)
+        except (KeyError, TypeError, ValueError) as error:
+            raise InputError(f"its parameters are damaged: {error!r}; write it again with suspid reconstruct") from None
+        if not math.isfinite(values[name]) or not math.isfinite(stds[name] or 0.0) or (stds[name] or 0.0) < 0:
+            raise InputError(f"{name}: {values[name]:g} ± {stds[name]} is no value with a standard deviation")
+    known = {name: std for name, std in stds.items() if std is not None}
+    return FoundParameters(values=values, stds=known if len(known) == len(values) and known else None)

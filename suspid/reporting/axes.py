@@ -121,7 +121,10 @@ def decade_ticks(axis: Axis, ratio: float) -> None:
 
     if ratio < 100:
         return frequency_ticks(axis, ratio)
-    axis.set_major_locator(LogLocator(numticks=5))
+    room = axis.axes.get_window_extent()
+    long = (room.height if axis is axis.axes.yaxis else room.width) / axis.axes.figure.dpi
+    # A power of ten takes 0.2 inch with the space to the next.
+    axis.set_major_locator(LogLocator(numticks=int(np.clip(long / 0.2, 2, 5))))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(round(float(np.log10(value))))))
     return None

@@ -12,7 +12,7 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.levels import LEVEL, check_level
-from suspid.model import Comparison, ModalSet, compare
+from suspid.model import Comparison, FoundCar, FoundParameters, ModalSet, compare, found_parameters
 from suspid.reporting.axes import entitle, keep_apart, key_above, shown
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
@@ -38,8 +38,8 @@ class Compared:
 
 @explained
 def plot_comparison(
-    before: Estimate | ModalSet,
-    after: Estimate | ModalSet,
+    before: FoundCar | FoundParameters | ModalSet,
+    after: FoundCar | FoundParameters | ModalSet,
     figure: Figure,
     *,
     level: Ratio = LEVEL,
@@ -51,9 +51,9 @@ def plot_comparison(
 
     Parameters
     ----------
-    before, after : Estimate or ModalSet
-        Two results of one kind. Parameters that only one of them has, or that were not known from zero before, and
-        modes without a partner, are left out.
+    before, after : ModalSet, or Reconstruction or Estimate
+        Two results: modes, or springs and dampers. Parameters that only one of them has, or that were not known from
+        zero before, and modes without a partner, are left out.
     figure : matplotlib.figure.Figure
         An empty figure.
     level : float
@@ -80,7 +80,13 @@ def plot_comparison(
     """
     check_level(level)
     for one in (before, after):
-        check_kind(one, {"Estimate": "estimate", "ModalSet": "eigenmodes, or identify as .modes,"})
+        made_by = {
+            "Estimate": "estimate",
+            "Reconstruction": "reconstruct",
+            "ModalSet": "eigenmodes, or identify as .modes,",
+        }
+        if not isinstance(one, FoundParameters):
+            check_kind(one, made_by)
     keep_apart(figure)
     panels = _panels(before, after, level)
     if not any(panels.values()):
@@ -95,20 +101,29 @@ def plot_comparison(
     return figure
 
 
-def _panels(before: object, after: object, level: Ratio) -> Mapping[str, Sequence[Compared]]:
-    if isinstance(before, Estimate) and isinstance(after, Estimate):
+def _panels(
+    before: FoundCar | FoundParameters | ModalSet, after: FoundCar | FoundParameters | ModalSet, level: Ratio
+) -> Mapping[str, Sequence[Compared]]:
+    if not isinstance(before, ModalSet) and not isinstance(after, ModalSet):
         return {"springs and dampers": _parameters(before, after, level)}
     if isinstance(before, ModalSet) and isinstance(after, ModalSet):
         names = {"wn": "natural frequency", "zeta": "damping ratio"}
         return {title: _modes(before, after, quantity, level) for quantity, title in names.items()}
-    raise InputError(f"two estimates or two sets of modes, not {type(before).__name__} and {type(after).__name__}")
+    raise InputError(
+        f"two sets of modes, or two of Reconstruction and Estimate, not {type(before).__name__} and "
+        f"{type(after).__name__}"
+    )
 
 
-def _parameters(before: Estimate, after: Estimate, level: Ratio) -> list[Compared]:
-    def ends(found: Estimate) -> dict[str, tuple[float, float, float]]:
-        reach = found.interval(level)
-        values = zip(found.parameters, found.values.tolist(), strict=True)
-        return {name: (reach[name][0], value, reach[name][1]) for name, value in values}
+def _parameters(before: FoundCar | FoundParameters, after: FoundCar | FoundParameters, level: Ratio) -> list[Compared]:
+    def ends(found: FoundCar | FoundParameters) -> dict[str, tuple[float, float, float]]:
+        named = found if isinstance(found, FoundParameters) else found_parameters(found)
+        # Those of an estimate are cut at its bounds, and its channels have parameters too.
+        reach = found.interval(level) if isinstance(found, Estimate) else named.interval(level)
+        values = dict(named.values)
+        if isinstance(found, Estimate):
+            values = dict(zip(found.parameters, found.values.tolist(), strict=True))
+        return {name: (reach[name][0], value, reach[name][1]) for name, value in values.items()}
 
     old, new = ends(before), ends(after)
     rows = [Compared(name=name, before=old[name], after=new[name]) for name in new if old.get(name, (0.0, 0.0))[1]]

@@ -78,7 +78,7 @@ def plot_damper_curve(found: DamperCurve, ax: Axes, *, level: Ratio = LEVEL) -> 
     ax.plot(ends, damping * ends, "--", color=Colour.GREY, linewidth=0.8, label=equal)
     ax.axhline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
     ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
-    ax.set_xlabel("velocity [m/s]: compression < 0 < rebound")
+    ax.set_xlabel("velocity [m/s], positive: rebound")
     ax.set_ylabel("force of the damper [N]")
     key_above(ax)
     return ax

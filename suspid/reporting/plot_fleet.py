@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.fleet import MOST_SHOWN, DamperTrends
-from suspid.reporting.axes import entitle, shown
+from suspid.reporting.axes import entitle, key_above, shown
 from suspid.reporting.colours import Colour
 from suspid.words import DamperState
 
@@ -47,9 +47,9 @@ def draw_distribution(found: Distribution, ax: Axes) -> None:
         edgecolor=Colour.BLUE,
         linewidth=0.6,
     )
-    ax.axvline(found.median, color=Colour.VERMILION, linewidth=1.2)
-    entitle(ax, f"{shown(found.quantity)} [{shown(found.unit)}]")
-    ax.set_ylabel("records")
+    ax.axvline(found.median, color=Colour.VERMILION, linewidth=1.2, label=f"median {found.median:.4g}")
+    ax.set(xlabel=f"{shown(found.quantity)} [{shown(found.unit)}]", ylabel="records")
+    key_above(ax)
     ax.locator_params(axis="x", nbins=5)
     ax.locator_params(axis="y", nbins=3, integer=True)
 

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
     from suspid.performance import Grip
 
+# Relative difference of two curves below which one hides the other: the width of a line in half a page.
+SAME_CURVE = 5e-3
+
 
 @explained
 def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
@@ -105,9 +108,11 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
 
 
 def _draw(ax: Axes, found: Grip, values: RealArray, reach: RealArray) -> None:
-    for wheel, row, band, colour in zip(found.wheels, values, reach, _colours(found), strict=True):
+    for i, (wheel, row, band, colour) in enumerate(zip(found.wheels, values, reach, _colours(found), strict=True)):
         ax.fill_between(found.hertz, row - band, row + band, color=colour, alpha=0.25, linewidth=0.0)
-        ax.plot(found.hertz, row, color=colour, linewidth=1.0, label=in_legend(wheel))
+        # The wheels of one axle often have one curve: dashes show the line below them.
+        hidden = any(np.allclose(row, other, rtol=SAME_CURVE) for other in values[:i])
+        ax.plot(found.hertz, row, "--" if hidden else "-", color=colour, linewidth=1.0, label=in_legend(wheel))
 
 
 def _colours(found: Grip) -> list[Colour]:

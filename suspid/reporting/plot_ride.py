@@ -27,6 +27,8 @@ MOST_SPECTRA, DECADES_DRAWN = 5, 5
 LOWEST_FELT, HIGHEST_FELT = 0.05, 200.0
 # Width of a figure from which on figures fit next to the name of a channel [inch].
 ROOM_FOR_FIGURES = 6.0
+# Height of a panel below which the label of its vertical axis is set small, on two lines [inch].
+LABEL_HEIGHT = 1.0
 # Points of the curve of a weighting, which bends smoothly.
 WEIGHTING_POINTS = 400
 # Bands of an octave over which lines of a record's spectrum are averaged: finer than a mode with a damping of 2 %.
@@ -96,6 +98,7 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
     Its weighted rms stand above it where the figure is wide enough.
     """
     _draw(found, channel, ax, level, _ends(found, level))
+    ax.legend(loc="best", fontsize="x-small", framealpha=0.8)
 
 
 def _ends(found: Ride, level: Ratio) -> tuple[RealArray, RealArray] | None:
@@ -118,11 +121,12 @@ def _draw(found: Ride, channel: str, ax: Axes, level: Ratio, ends: tuple[RealArr
         gain = np.ones_like(row) if kind is None else np.abs(weighting(kind, hertz)) ** 2
         if np.any(high > low):
             ax.fill_between(hertz, low * gain, high * gain, color=colour, alpha=0.3, linewidth=0.0)
-        ax.plot(hertz, row * gain, color=colour, linewidth=width)
+        ax.plot(hertz, row * gain, color=colour, linewidth=width, label=kind or "not weighted")
     _logarithmic(ax, float(np.max(row)))
     entitle(ax, shown(channel))
     turn = found.units[found.figures.index(f"{channel}.{found.weightings[channel][0]}")].removesuffix("/s2")
-    ax.set_ylabel(density_label(f"{turn}/s²"))
+    label, low_panel = density_label(f"{turn}/s²"), ax.get_window_extent().height < LABEL_HEIGHT * ax.figure.dpi
+    ax.set_ylabel(label.replace(" ", "\n") if low_panel else label, fontsize="x-small" if low_panel else None)
     ax.set_xscale("log")
     ax.grid(color=Colour.SHADE, linewidth=0.6)
     ax.set(xlabel="frequency [Hz]", xlim=(float(hertz[0]), float(hertz[-1])))

@@ -23,6 +23,11 @@ FULL_CELL = 1.0
 HALF_CELL = 0.46
 # Width of a column that holds "stiffness" [inch]; in narrower ones the names stand upright.
 NARROW_COLUMN = 0.55
+# Height of letters over that of a row, in which a bar stands below a number; width of a number such as +0.19 over the
+# height of its letters.
+LETTERS_OF_ROW, LETTERS_OF_NUMBER = 0.55, 3.2
+# Letters of an inch [points], and the smallest size of words that stand alone [points].
+POINTS, SMALLEST_WORDS = 72, 5.0
 
 
 @explained
@@ -56,7 +61,11 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
     inch = ax.get_window_extent().width / ax.figure.dpi / columns
     # A long name of a strut would run into its neighbour; in narrow columns every name does.
     upright = inch < NARROW_COLUMN
-    size = "x-small" if upright else "small"
+    high = ax.get_window_extent().height / ax.figure.dpi / rows
+    # Letters are as small as the rows need them, the numbers as the columns do: in print or enlarged they can be read.
+    size = min(6.9 if upright else 8.3, POINTS * LETTERS_OF_ROW * high)
+    legible = max(size, SMALLEST_WORDS)
+    size_of_number = min(size, POINTS * inch / LETTERS_OF_NUMBER)
     for column in range(columns):
         ax.vlines([column] * rows, np.arange(rows) + 0.12, np.arange(rows) + 0.48, color=Colour.GREY, linewidth=0.6)
         for row in range(rows):
@@ -67,18 +76,22 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
             # The number stands above its bar.
             ax.barh(row + 0.3, reach, left=column, height=0.26, color=Colour.SKY if value > 0 else Colour.ORANGE)
             ax.text(column, row - 0.14, per_cent(value).replace("-", "−"), ha="center", va="center",
-                    fontsize=size)  # fmt: skip
+                    fontsize=size_of_number)  # fmt: skip
     ax.set_yticks(range(rows), [shown(name) for name in found.names], fontsize=size)
     names = [shown(name).rpartition(".") for name in found.parameters]
     words = [(" " if upright else "\n").join([*owner.split("_"), last]) for owner, _, last in names]
-    ax.set_xticks(range(columns), words, fontsize=size, rotation=90.0 if upright else 0.0)
+    ax.set_xticks(range(columns), words, fontsize=min(legible, POINTS * inch), rotation=90.0 if upright else 0.0)
     ax.set_ylim(rows - 0.5, -0.5)
     ax.set_xlim(-0.55, columns - 0.45)
     ax.tick_params(length=0)
     ax.xaxis.tick_top()
     for row in range(1, rows):
         ax.axhline(row - 0.5, color=Colour.SHADE, linewidth=0.6, zorder=0)
-    ax.set_xlabel(f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}", fontsize=size, wrap=True)
+    ax.set_xlabel(
+        f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}",
+        fontsize=legible,
+        wrap=True,
+    )
     return ax
 
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 FULL_BAR = 0.42
 # Share of the largest component below which a bar is no wider than its outline.
 UNSEEN = 0.02
+# Width of a column that holds a frequency [inch]; in narrower ones the numbers stand upright.
+COLUMN_OF_NUMBER = 0.48
 # Quantities of channels without units, as they stand behind names.
 SHORT_QUANTITIES = {"displacement": "disp.", "velocity": "vel.", "acceleration": "acc."}
 
@@ -90,7 +92,8 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     for k in range(1, count):
         ax.axvline(k + 0.5, color=Colour.SHADE, linewidth=0.8)
     ax.set(xlim=(0.5, count + 0.5), ylim=(len(shapes) - 0.5, -0.5))
-    ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
+    narrow = ax.get_window_extent().width < COLUMN_OF_NUMBER * ax.figure.dpi * count
+    ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn], rotation=90.0 if narrow else 0.0)
     names = [shown(modes.channels[k], most=16 if len(groups) < 2 else 8) for k in order]
     if len(groups) > 1:
         units_of = [

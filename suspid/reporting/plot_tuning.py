@@ -68,7 +68,7 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
                    label=f"{shown(name)} ({values})")  # fmt: skip
     lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
     lower.set(xlabel=_label(found, 0), ylabel="value / at the knee [1]")
-    lower.legend(fontsize="small", frameon=False)
+    lower.legend(fontsize="x-small", framealpha=0.8)
     upper.set_xlabel("")
     lower.grid(color=Colour.SHADE, linewidth=0.6)
     lower.margins(0.05)

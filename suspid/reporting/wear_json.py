@@ -119,7 +119,8 @@ def comparison_to_dict(found: Comparison) -> dict[str, object]:
         }
         for row in found.table
     ]  # fmt: skip
-    return as_plain(COMPARE_FORMAT, {"kind": "modes", "passed": found.passed, "rule": found.rule, "values": rows})
+    kind = "modes" if any(row.quantity in ("wn", "zeta") for row in found.table) else "springs"
+    return as_plain(COMPARE_FORMAT, {"kind": kind, "passed": found.passed, "rule": found.rule, "values": rows})
 
 
 def _damper(one: DamperWear) -> dict[str, object]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, TypeAlias
 
+from suspid.files import printable
 from suspid.values import FrozenItems
 from suspid.wording import Wording
 
@@ -64,8 +65,8 @@ class Remark:
     code : Code
         What is said.
     numbers : mapping
-        Numbers and names that belong to it, in SI units. Names from files stand as they are: whoever shows them
-        escapes them.
+        Numbers and names that belong to it, in SI units. Names from files stand as they are; the sentence has their
+        control characters escaped, and markup is left to whoever shows it.
 
     Examples
     --------
@@ -84,7 +85,8 @@ class Remark:
 
     def __str__(self) -> str:
         words = self.code.words
-        return words.format_map(self.numbers) if isinstance(words, str) else words(self.numbers)
+        said = words.format_map(self.numbers) if isinstance(words, str) else words(self.numbers)
+        return "\n".join(map(printable, said.split("\n"))) if not said.isprintable() else said
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle without the read-only view."""

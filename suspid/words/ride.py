@@ -215,6 +215,11 @@ class RoadCheck(Code):
         "road, or it is filtered or noisy.",
     )
     BETWEEN = "between", listed("The class may be {names}: the interval contains a limit.")
+    ONE_EVENT = (
+        "one event",
+        "The lines of the spectrum do not scatter as those of a random road do: the heights may show a single event, "
+        "such as a step or a kerb, or waves of one length beyond those that are used.",
+    )
     BENT = (
         "bent",
         "The spectrum is not a straight line (chi-square {chi_square:.3g} at {freedom}): the exponent is a mean over "

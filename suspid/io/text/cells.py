@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -91,6 +91,21 @@ def seconds(cells: Iterable[str]) -> RealArray:
     stamps = np.full(nanos.size, np.nan)
     stamps[there] = (found - found[:1]) / NANO
     return stamps
+
+
+def clock_seconds(cells: Sequence[str]) -> RealArray | None:
+    """Return times of day and dates [s] since the first one; None where a cell holds anything else.
+
+    Examples
+    --------
+    >>> clock_seconds(["12:00:00.5", "", "12:00:01"]), clock_seconds(["12:00:00", "seat"])
+    (array([0. , nan, 0.5]), None)
+    """
+    kinds = [kind_of(cell, comma=False) for cell in cells[:1]]
+    if kinds and kinds[0] not in ("stamp", "missing"):
+        return None
+    kinds = [kind_of(cell, comma=False) for cell in cells]
+    return seconds(cells) if set(kinds) <= {"stamp", "missing"} and "stamp" in kinds else None
 
 
 def _parts(cells: Iterable[str], dates: dict[str, int]) -> Iterator[tuple[int, int]]:
