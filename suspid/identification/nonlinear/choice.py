@@ -150,7 +150,10 @@ def _with_mode(fit: StructureFit) -> StructureFit | None:
     """Return the fit with one more mode that explains most of the residual; None if there is none."""
     record = fit.record
     found = list[StructureFit]()
+    count, kind = record.values.shape[1], fit.structures.kind
     for theta in next_poles(fit.residual, fit.variance, record.noise):
+        if steps_of(np.append(fit.theta, theta), count, kind) > LONGEST_FITTED:
+            continue
         trial = fitted(_joined(fit, theta), steps=FIRST)
         found += [fitted(trial)] if trial.bic < fit.bic and not _repeats(trial) else []
     best = min((each for each in found if not _repeats(each)), key=lambda each: each.bic, default=None)
