@@ -54,7 +54,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     suspect = None if judged.likely and not len(blind(slopes)) else suspect_of(problem)
     check_determined(
         slopes, labels, u.suspension(z[: len(u)]), relative=shares_of(_sizes(problem, z), z),
-        hint="" if suspect is None else f"{suspect} As they are, ",
+        hint=() if suspect is None else (f"{suspect} As they are, ",),
     )  # fmt: skip
     checks = [judged.check, *([] if suspect is None else [Check(suspect, Level.DOUBTFUL)])]
     if len(prior) and len(blind(squares)):
