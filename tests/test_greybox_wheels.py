@@ -274,7 +274,7 @@ class TestIntervals:
             left = (noise - basis @ (basis.T @ noise)).ravel()
             error = solve @ left
             left -= flat @ error
-            covariance = _sandwich([SimpleNamespace(
+            covariance, _ = _sandwich([SimpleNamespace(
                 slope=slope.__getitem__, residual=left.reshape(stretches, -1), basis=basis, spurious=np.zeros((2, 2)),
                 rows=lambda: (None, flat), parts=lambda: [slice(0, 3), slice(3, None)], factor=np.zeros((lines, 1, 1)),
             )], np.zeros((0, 2)))  # type: ignore[list-item]  # fmt: skip

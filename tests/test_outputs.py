@@ -231,7 +231,11 @@ class TestForces:
         [
             ({"forces": "heave"}, "forces='heave' is one string"),
             ({"forces": ["heave", "heave_force"]}, "force 'heave' is given 2 times"),
-            ({"forces": ["heav"]}, "force 'heav': there is no output 'heav'. Did you mean 'heave'"),
+            (
+                {"forces": ["heav"]},
+                "force 'heav' pushes nothing of the car; a force is named by a mass, or by the travel of the strut "
+                "whose ends it pushes apart. Did you mean 'heave'",
+            ),
             ({"forces": ["front_tire"]}, "Forces between the ends of that strut: 'front_tire_travel'."),
             ({"forces": ["heave_velocity"]}, "'heave_velocity' is not a displacement of a mass"),
             ({"forces": ["road_front"]}, "'road_front' is not a displacement of a mass"),

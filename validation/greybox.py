@@ -34,6 +34,7 @@ LEVEL = 0.95
 # Rows of which four times as many draws are made: the RMSE of 100 draws scatters by 7 %, and of many parameters at
 # their bounds the largest lies above its own by more than that without any loss.
 OFTEN = (
+    "class C, 60 s", "class D, 60 s",
     "half car, modes 10% apart, 40 dB", "half car, modes 2% apart, 40 dB",
     "full car, 60 s at 100 Hz, gain, delay, mount known",
 )  # fmt: skip
@@ -77,7 +78,10 @@ their width, 'both hold' the share of the draws in which those of k and c contai
 MEMORY = """## Memory
 
 What `estimate` allocates at most while it fits a drive of two channels at 200 Hz, and what the record itself takes, in
-double precision. The spectra of all stretches are kept, derivatives are made for a few stretches at a time."""
+double precision. The spectra of all stretches are kept, with the fitted motion and the residual of every sample, which
+are most of it; derivatives are made for some stretches at a time. So it follows the length of the drive, and not into
+how many stretches or records it is divided. A few stretches of minutes each take more: a transfer has a value at every
+line."""
 PEERS = """## Beside other methods
 
 On the same records. Gain, delay and mount are unknown to `estimate` in the second and third drive; the other methods

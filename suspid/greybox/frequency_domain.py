@@ -12,9 +12,10 @@ from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
 from suspid.greybox.measured_causes import WheelProblem, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
+from suspid.greybox.nearly_rigid import toward_rigid
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.search import SAME_FIT, starts_of
-from suspid.greybox.settling import Point, at_stiff_mounts, from_held, released, settled
+from suspid.greybox.settling import Point, from_held, released, settled
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
 from suspid.greybox.whitened import Whitened
@@ -53,14 +54,14 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     suspect = None if judged.likely and not len(blind(slopes)) else suspect_of(problem)
     check_determined(
         slopes, labels, u.suspension(z[: len(u)]), relative=shares_of(_sizes(problem, z), z),
-        hint="" if suspect is None else f"{suspect} As they are, ",
+        hint=() if suspect is None else (f"{suspect} As they are, ",),
     )  # fmt: skip
     checks = [judged.check, *([] if suspect is None else [Check(suspect, Level.DOUBTFUL)])]
     if len(prior) and len(blind(squares)):
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
     noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
-    whitened = at_stiff_mounts(problem, point, levels, judged.inflation) or every
-    covariance = _sandwich(whitened, prior / _sizes(problem, z), judged.inflation)
+    covariance, curvature = _sandwich(every, prior / _sizes(problem, z), judged.inflation)
+    covariance = toward_rigid(problem, point, levels, covariance, curvature=curvature)
     if not judged.likely:
         apart = from_held(problem, z, levels)
         covariance += np.outer(apart, apart)
@@ -124,8 +125,8 @@ def _held_back(problem: WheelProblem, point: Point) -> RealArray:
     return np.where(((z <= lower + size) & (falls < 0)) | ((z >= upper - size) & (falls > 0)), falls, 0.0)
 
 
-def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.0) -> RealArray:
-    """Return the covariance of the unknowns from the scatter of the scores of all lines.
+def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.0) -> tuple[RealArray, RealArray]:
+    """Return the covariance of the unknowns from the scatter of all lines' scores, and that of the curvature alone.
 
     The information is that of the true motion: what the noise of the estimated motion adds is subtracted. A residual is
     smaller than its noise by what was fitted to it, at few lines a large part: ``1 - h`` of its variance is left, with
@@ -164,7 +165,7 @@ def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.
     # What nothing moves has no freedom that counts.
     freedom = variance**2 / np.maximum(squares, np.finfo(float).tiny)
     wider = stdtrit(np.maximum(freedom, 1.0), (1 + LEVEL) / 2) / NORMAL_95
-    return np.asarray(inverse @ scores @ inverse * np.outer(wider, wider))
+    return np.asarray(inverse @ scores @ inverse * np.outer(wider, wider)), inverse * inflation
 
 
 def _noise(problem: WheelProblem, levels: Levels, number: int) -> RealArray:

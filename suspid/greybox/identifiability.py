@@ -43,7 +43,12 @@ def names_in(directions: RealArray, labels: Sequence[str]) -> tuple[str, ...]:
 
 
 def check_determined(
-    slope: RealArray, labels: Sequence[str], car: Suspension, *, relative: RealArray, hint: str = ""
+    slope: RealArray,
+    labels: Sequence[str],
+    car: Suspension,
+    *,
+    relative: RealArray,
+    hint: Sequence[str | Argument] = (),
 ) -> None:
     """Raise if data and nominal values leave a combination of the unknowns open.
 
@@ -61,7 +66,8 @@ def check_determined(
     masses = [name for name in names if name.endswith(".mass")]
     scale = "; only ratios to a known mass (or to a given force) can be found" if masses else ""
     raise EstimationError(
-        f"{hint}the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the "
+        *hint,
+        f"the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the "
         f"unknowns do not change any channel by more than its noise "
         f"({'; or '.join(_in_words(o * relative, labels) for o in open_)}){scale}; fix one with ",
         Argument("fixed", "…"),

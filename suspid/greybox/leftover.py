@@ -10,7 +10,7 @@ from suspid.greybox.whitened import Whitened
 from suspid.levels import EXACT
 from suspid.units import Hertz, Ratio, RealArray
 
-STRETCHES_TOGETHER = 4  # stretches that are varied at a time: there are some 50 columns
+VARIED_ROWS = 1500  # of the residual that are varied at a time: there are some 50 columns
 
 
 class Leftover(NamedTuple):
@@ -76,7 +76,7 @@ def _products(found: Whitened, hats: RealArray) -> tuple[RealArray, RealArray, R
     lines = len(found.motion)
     outputs = found.factor.shape[1]
     own, cross, score = np.zeros(()), np.zeros(()), np.zeros(())
-    for part in found.parts(STRETCHES_TOGETHER):
+    for part in found.parts(VARIED_ROWS):
         # (stretch, line, row, output, cause, node)
         along = found.motion[:, part].swapaxes(0, 1)[:, :, :, None] * hats[:, None, :]
         moved = found.factor[None, :, :, :, None, None] * along[:, :, None, None]

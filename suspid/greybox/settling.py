@@ -11,9 +11,9 @@ from suspid.greybox.further import TIMES
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.whitened import Whitened
-from suspid.levels import CHI_SQUARE_95, EXACT, LEVEL
+from suspid.levels import CHI_SQUARE_95, EXACT
 from suspid.reconstruction import descend
-from suspid.units import Ratio, RealArray
+from suspid.units import RealArray
 
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
 ROUGH_RISE = 0.3  # the same where another descent follows, or a decision at a gain of 3.8
@@ -102,26 +102,6 @@ def released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple
         return here, levels
     z, levels = settled(problem, best.z, levels)
     return point_at(problem, z, levels), levels
-
-
-def at_stiff_mounts(
-    problem: WheelProblem, found: Point, levels: list[Levels], inflation: Ratio
-) -> list[Whitened] | None:
-    """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
-
-    A delay and a mount differ by the squares of both times alone, so the records tell them apart the worse the shorter
-    these are. Standard deviations at chance values of such a mount would be far too small. Several mounts are ruled
-    out together, with as many degrees of freedom.
-    """
-    from scipy.special import chdtri
-
-    if not problem.extras.mounts:
-        return None
-    upper = problem.extras.upper.copy()
-    upper[: len(problem.extras.mounts)] = EXACT
-    stiff = descended(problem, found.z, levels, extras=(problem.extras.lower, upper))
-    by_chance = inflation * float(chdtri(len(problem.extras.mounts), 1 - LEVEL))
-    return None if stiff.cost - found.cost > by_chance else stiff.every
 
 
 def from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> RealArray:

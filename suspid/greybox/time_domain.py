@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.errors import ReconstructionError
 from suspid.greybox.caused_residual import caused_share
+from suspid.greybox.causes import dies_down
 from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
 from suspid.greybox.problem import Problem
@@ -22,6 +23,7 @@ from suspid.levels import CHI_SQUARE_95, likely
 from suspid.model import ModalSet, Suspension, eigenmodes
 from suspid.reconstruction import QUANTITIES, reconstruct
 from suspid.units import Ratio, RealArray
+from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
@@ -60,7 +62,9 @@ def fit_in_time(problem: Problem) -> Fit:
     size = u.sizes(best.x)
     prior = u.prior(best.x)[1]
     whole = np.concatenate([data, prior]) * size
-    check_determined(whole, u.labels, u.suspension(best.x), relative=shares_of(size, best.x))
+    check_determined(
+        whole, u.labels, u.suspension(best.x), relative=shares_of(size, best.x), hint=_perhaps_driven(problem)
+    )
     chi_square, freedom, explains, judged = _judged(problem, errors, noise)
     checks = [judged]
     if len(prior) and len(blind(data * size)):
@@ -149,6 +153,17 @@ def _twins(problem: Problem, best: Found) -> Iterator[RealArray]:
         yield np.clip(x, u.lower, u.upper)
 
 
+def _perhaps_driven(problem: Problem) -> tuple[str | Argument, ...]:
+    """Return what is said where a record counts as a free decay and does not die down."""
+    if any(len(trial.inputs) or dies_down(trial.values) for trial in problem.trials):
+        return ()
+    return (
+        "the motion does not die down; if wheels, roads or forces moved the car, name them in ",
+        Argument("given"),
+        ". As a free decay ",
+    )
+
+
 def _strut_parameters(car: Suspension) -> list[str]:
     return [f"{s.name}.{quantity}" for quantity, s in product(QUANTITIES, car.struts)]
 
@@ -165,6 +180,8 @@ def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray])
                 if statistic > worst:
                     worst, where = float(statistic), channel + f" of record {i + 1}" * (len(errors) > 1)
     numbers: dict[str, Number] = {"chi_square": total, "freedom": freedom, "channel": where}
+    known = tuple(dict.fromkeys(name for trial in problem.trials for name in trial.known))
+    numbers |= {"inputs": known} if known else {}
     if not freedom:
         return total, freedom, True, Check(Remark(EstimateCheck.ROUNDING), Level.SOUND)
     if likely(total, freedom):

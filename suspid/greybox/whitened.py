@@ -13,7 +13,7 @@ from suspid.greybox.small_matrices import inverses, whitening
 from suspid.greybox.transfers import Layout, Transfer
 from suspid.units import ComplexArray, RealArray
 
-DERIVED_TOGETHER = 24  # stretches, whose derivatives fit into a processor's cache
+DERIVED_ROWS = 8000  # of the residual, whose derivatives fit into a processor's cache
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -44,8 +44,9 @@ class Whitened:
         flat -= self.basis @ (self.basis.T @ flat)
         return flat
 
-    def parts(self, together: int = DERIVED_TOGETHER) -> Iterator[slice]:
-        """Yield all stretches, some at a time."""
+    def parts(self, rows: int = DERIVED_ROWS) -> Iterator[slice]:
+        """Yield all stretches, at least one at a time and as many as have that many rows."""
+        together = max(1, rows // self.residual.shape[1])
         for first in range(0, len(self.residual), together):
             yield slice(first, first + together)
 

@@ -99,10 +99,15 @@ def force_weights(suspension: Suspension, force: str) -> RealArray:
     name = force.removesuffix(FORCE)
     try:
         order, weights, _ = output_weights(suspension, name)
-    except InputError as error:
+    except InputError:
         struts = [s.name for s in suspension.struts]
-        hint = f" Forces between the ends of that strut: '{name}_travel'." if name in struts else ""
-        raise InputError(f"force {force!r}: {error}{hint}") from None
+        pushes = [*suspension.coordinates, *(f"{strut}_travel" for strut in struts)]
+        stem = name.removesuffix("_strut")
+        hint = f" Forces between the ends of that strut: '{stem}_travel'." if stem in struts else ""
+        raise InputError(
+            f"force {force!r} pushes nothing of the car; a force is named by a mass, or by the travel of the strut "
+            f"whose ends it pushes apart.{hint or nearest_names(name, pushes)}"
+        ) from None
     if order or not np.any(weights):
         raise InputError(
             f"force {force!r}: {name!r} is not a displacement of a mass; name a coordinate, or the travel of a strut"

@@ -53,6 +53,12 @@ def _unexplained(numbers: Numbers) -> str:
             f"The residual is not noise alone ({chi_square}): this car does not explain the records with any springs "
             f"and dampers, or the noise is coloured. The intervals allow for its colour, not for a wrong topology."
         )
+        if "inputs" in numbers:
+            one = len(numbers["inputs"]) == 1
+            said += (
+                f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known: the car colours the "
+                f"noise of {'its sensor' if one else 'their sensors'}, and the intervals do not allow for it in full."
+            )
     return (
         f"{said} Estimate what may be missing as "
         f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
