@@ -330,6 +330,7 @@ class TestWords:
     @pytest.mark.parametrize("code", list(Reason))
     def test_every_reason_has_words(self, code: Reason) -> None:
         numbers = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4, "mode": 1, "multiple": 2}
+        numbers |= {"other": 2, "word": "sum"}
         assert str(Remark(code, numbers))
 
     def test_the_least_check_decides(self) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.errors import IdentificationError
 from suspid.identification.changing import with_changing
+from suspid.identification.classification import SAMPLES_EACH
 from suspid.identification.considered import Considered, beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
 # larger share takes the noise of short records for modes.
 VAGUE = 0.05
 # The frequency of any mode is open if its interval is wider than this share of it to either side.
-OPEN = 0.5
+LEFT_OPEN = 0.5
 
 
 class Forces(Enum):
@@ -185,7 +186,9 @@ def _fewer(selection: Selection, own: ModalSet, modes: ModalSet) -> Selection:
     """Return the poles, of which multiples of a stronger mode, and those that are not determined, are no modes."""
     kept = selection.modes
     fewer = without_harmonics(selection, own)
-    if not np.any(unknown := _undetermined(own) | _vague(modes)):
+    few = selection.fit.count < SAMPLES_EACH * (1 + 2 * len(selection.fit.poles.every))
+    # What a further pole would say counts where there may be nearly as many poles as samples.
+    if not np.any(unknown := _undetermined(own) | _vague(modes if few else own)):
         return fewer
     order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
     reasons = list(fewer.reasons)
@@ -198,7 +201,7 @@ def _undetermined(modes: ModalSet) -> NDArray[np.bool_]:
     """Return which modes have a frequency that the record leaves open, (mode,)."""
     if modes.wn_std is None:
         return np.zeros(len(modes), bool)
-    return np.asarray((modes.poles.imag > 0) & (NORMAL_95 * modes.wn_std > OPEN * modes.wn))
+    return np.asarray((modes.poles.imag > 0) & (NORMAL_95 * modes.wn_std > LEFT_OPEN * modes.wn))
 
 
 def _vague(modes: ModalSet) -> NDArray[np.bool_]:

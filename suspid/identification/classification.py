@@ -18,6 +18,8 @@ TONE_SURE = 10.0
 LEAST_EXPLAINED = 0.5
 # A pole that decays by more than this per sample has gone before it can be seen to oscillate.
 MOST_DECAY = 0.5
+# Fewer samples per unknown of a channel than this: the fit follows any motion.
+SAMPLES_EACH = 8
 
 
 def reasons_of(

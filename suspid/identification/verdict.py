@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.identification.classification import LEAST_EXPLAINED
+from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
 from suspid.identification.lines import clear_line
 from suspid.identification.mode_checks import (
     check_amplitudes,
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from suspid.identification.identification import Identification
     from suspid.identification.repeats import Repeats
 
-# Fewer samples per unknown of a channel than this: the fit follows any motion.
-SAMPLES_EACH = 8
 # Power near a mode over white noise: what is below widens an interval by less than 3 %.
 NOTICEABLE = 1.05
 # Correlations of the residual over one sample that are not those of white noise: a sensor's filter leaves less than the

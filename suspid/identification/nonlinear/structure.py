@@ -43,9 +43,9 @@ class Steps:
 
 
 # A start without forces takes 4 to 8 steps, along a narrow valley 20; larger factors leave the valley again and again.
-SMOOTH = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
+SMOOTH_STEPS = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
 # Where friction holds a mass the likelihood has no bend, and each motion takes ten times as long.
-RUBBED = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
+RUBBED_STEPS = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -175,7 +175,7 @@ def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
     least-squares minimization. arXiv:1201.5885.
     """
     fit, damping, refused = start, LEAST_DAMPING, False
-    pace = RUBBED if start.structures.kind is ForceKind.FRICTION else SMOOTH
+    pace = RUBBED_STEPS if start.structures.kind is ForceKind.FRICTION else SMOOTH_STEPS
     longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
     for _ in range(pace.most if steps is None else steps):
         slopes = fit.nearby.slopes(fit)
