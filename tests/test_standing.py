@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from suspid.identification.likelihood import bic_penalty
 from suspid.identification.noise import WhiteNoise
+from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import ForceKind, forces_of
 from suspid.identification.nonlinear.guesses import gains_of
 from suspid.identification.nonlinear.standing import explains, misses, stands, worths_of
-from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
+from suspid.identification.nonlinear.structure import StructureFit, structure_of
 
 Real = NDArray[np.float64]
 SHAPES = np.array([[1.0, 0.8], [1.0, -0.6]])

@@ -13,12 +13,13 @@ from suspid.identification import ForceKind, Identification
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear import beginnings
 from suspid.identification.nonlinear.beginnings import begun, stops_soon
+from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of, with_friction
 from suspid.identification.nonlinear.motion import Structures, motion_of
-from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
+from suspid.identification.nonlinear.structure import StructureFit, structure_of
 from suspid.records import as_response
 from validation import rigs
 from validation.friction import Rig, released

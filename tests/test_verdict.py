@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from suspid import Identification, Level, Verdict, add_noise, free_decay, identify, identify_repeats
-from suspid.identification.classification import LEAST_EXPLAINED
+from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
 from suspid.identification.considered import Considered
 from suspid.identification.lines import clear_line
 from suspid.identification.mode_checks import ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
-from suspid.identification.verdict import SAMPLES_EACH, verdict_of
+from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
 from suspid.records import as_response, late_start
 from suspid.signals import Signal, as_signal
@@ -329,8 +329,8 @@ class TestRepeats:
 class TestWords:
     @pytest.mark.parametrize("code", list(Reason))
     def test_every_reason_has_words(self, code: Reason) -> None:
-        numbers = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4, "mode": 1, "multiple": 2}
-        numbers |= {"other": 2, "word": "sum"}
+        sizes: dict[str, Number] = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4}
+        numbers: dict[str, Number] = {**sizes, "mode": 1, "multiple": 2, "other": 2, "word": "sum"}
         assert str(Remark(code, numbers))
 
     def test_the_least_check_decides(self) -> None:

@@ -5,17 +5,24 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import settled
+from suspid.analysis.choice import settled, tried
 from suspid.analysis.forced_start import SAME_POLE
-from suspid.decays import Decay
+from suspid.analysis.settings import Settings
+from suspid.analysis.used import Used, used_of
+from suspid.decays import Decay, Decays, releases_before
 from suspid.identification import Identification
 from suspid.levels import NORMAL_95
-from suspid.signals import Signal
+from suspid.records import cut
+from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.words import DecayDoubt, Level
+
+if TYPE_CHECKING:
+    import control
 
 # Two decays are one where the later begins within this number of periods of its slowest mode after the earlier.
 # Friction that holds a mass and lets it go parts them; a larger number tries to join a second release to the first.
@@ -29,8 +36,55 @@ MOVES = 15.0
 # A mode is well known if the standard deviations of its frequency and of its damping ratio are below these shares. A
 # mode of a longer decay that is not is no gain.
 KNOWN_WN, KNOWN_ZETA = 0.01, 0.25
+# A release is looked for before a decay within this multiple of its length: a fast mode has died after fewer.
+BEFORE_DECAY = 3.0
 # Doubts that end with the first of two decays that are joined.
 OF_LENGTH = frozenset({DecayDoubt.CUT_OFF, DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
+
+
+def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
+    """Return the longer decay of which the best one is a part, if that shows more of its modes."""
+    decays = best.decays
+    if len(best.used) != 1 or not isinstance(decays, Decays):
+        return best
+    signal = as_signal(record)
+    released = _released(record, best.used[0], first_of(best.used[0], decays, signal))
+    for decay in longer_decays(best.used[0], decays, released=released, signal=signal):
+        earlier = decay.start < best.used[0].start
+        if not earlier:
+            best = with_identification(best, settings)
+            if not goes_on(best.identification, _after(signal, best)):
+                continue
+        more = with_identification(used_of(record, decays, decay), settings)
+        found = more.identification
+        if found is None:
+            continue
+        if earlier and best.identification is None and shows_all(found, best.used[0]):
+            return more
+        best = with_identification(best, settings)
+        if shows_more(found, best.identification):
+            return more
+    return best
+
+
+def with_identification(used: Used, settings: Settings) -> Used:
+    """Return the part of a record that is used with what is identified in it."""
+    return replace(used, identification=used.identification or tried(used.record, settings))
+
+
+def _released(record: control.TimeResponseData, used: Decay, first: Second) -> tuple[Second, ...]:
+    """Return when the motion that a decay continues, from a first time on, may have been let go.
+
+    A look at all of a long recording would cost too much.
+    """
+    earliest = max(as_signal(record).start, first - BEFORE_DECAY * (used.stop - first))
+    return releases_before(as_signal(cut(record, start=earliest, stop=used.stop)), first)
+
+
+def _after(signal: Signal, best: Used) -> RealArray:
+    """Return the samples of a record after the stretch that is used, (channel, sample), of its channels."""
+    rows = [signal.channels.index(name) for name in as_signal(best.record).channels]
+    return signal.values[rows][:, signal.timepts > best.used[0].stop + 0.5 * signal.step]
 
 
 def longer_decays(

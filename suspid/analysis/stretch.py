@@ -12,15 +12,15 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
-from suspid.analysis.longer import first_of, goes_on, longer_decays, shared_modes, shows_all, shows_more
+from suspid.analysis.longer import longer, shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays, releases_before
+from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.records import cut, late_start
-from suspid.signals import Signal, as_signal
-from suspid.units import RealArray, Second
+from suspid.signals import as_signal
+from suspid.units import Second
 from suspid.words import DecayDoubt, Level, Note, Number, Remark
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 # Shares of the best decay after which it is tried again where no mode is found in it, and decays tried after it.
 LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
-# A release is looked for before a decay within this multiple of its length: a fast mode has died after fewer.
-BEFORE_DECAY = 3.0
 # Decays tried where the identification of the best one is doubtful: each costs the time of an identification.
 MOST_NEXT = 4
 # The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
@@ -60,7 +58,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
-        best = _longer(record, _best(record, settings), settings)
+        best = longer(record, _best(record, settings), settings)
         return _once_free(record, _sounder(record, best, settings), settings)
     decays = find_decays(record)
     if not decays:
@@ -107,44 +105,6 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
 
 
-def _longer(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
-    """Return the longer decay of which the best one is a part, if that shows more of its modes."""
-    decays = best.decays
-    if len(best.used) != 1 or not isinstance(decays, Decays):
-        return best
-    signal = as_signal(record)
-    released = _released(record, best.used[0], first_of(best.used[0], decays, signal))
-    for decay in longer_decays(best.used[0], decays, released=released, signal=signal):
-        earlier = decay.start < best.used[0].start
-        if not earlier:
-            best = _with_identification(best, settings)
-            if not goes_on(best.identification, _after(signal, best)):
-                continue
-        longer = _with_identification(used_of(record, decays, decay), settings)
-        found = longer.identification
-        if found is None:
-            continue
-        if earlier and best.identification is None and shows_all(found, best.used[0]):
-            return longer
-        best = _with_identification(best, settings)
-        if shows_more(found, best.identification):
-            return longer
-    return best
-
-
-def _with_identification(used: Used, settings: Settings) -> Used:
-    return replace(used, identification=used.identification or tried(used.record, settings))
-
-
-def _released(record: control.TimeResponseData, used: Decay, first: Second) -> tuple[Second, ...]:
-    """Return when the motion that a decay continues, from a first time on, may have been let go.
-
-    A look at all of a long recording would cost too much.
-    """
-    earliest = max(as_signal(record).start, first - BEFORE_DECAY * (used.stop - first))
-    return releases_before(as_signal(cut(record, start=earliest, stop=used.stop)), first)
-
-
 def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
     """Return another decay where the identification of the best one is doubtful: one that is not, or one that agrees.
 
@@ -169,12 +129,6 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
 
 def _doubtful(found: Identification | None) -> bool:
     return found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL
-
-
-def _after(signal: Signal, best: Used) -> RealArray:
-    """Return the samples of a record after the stretch that is used, (channel, sample), of its channels."""
-    rows = [signal.channels.index(name) for name in as_signal(best.record).channels]
-    return signal.values[rows][:, signal.timepts > best.used[0].stop + 0.5 * signal.step]
 
 
 def _once_free(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Record, without_forces
 from suspid.identification.nonlinear.forces import ForceKind, forces_of
 from suspid.identification.nonlinear.guesses import with_friction
 from suspid.identification.nonlinear.motion import steps_of
 from suspid.identification.nonlinear.standing import explains, misses
-from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
+from suspid.identification.nonlinear.structure import StructureFit, structure_of
 
 # Steps after which starts are compared.
 FIRST = 6

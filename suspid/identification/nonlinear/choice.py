@@ -9,13 +9,14 @@ import numpy as np
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
+from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
-from suspid.identification.nonlinear.structure import StructureFit, fitted
+from suspid.identification.nonlinear.structure import StructureFit
 from suspid.units import ComplexArray
 
 # One more mode beside forces must lower the residual of a channel by this factor, unless it leaves only noise: a force

@@ -13,39 +13,15 @@ import numpy as np
 
 from suspid.identification.noise import degrees_of_freedom
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind
-from suspid.identification.nonlinear.motion import Motion, Structures, motion_of, steps_of
+from suspid.identification.nonlinear.forces import OF_SPEED, Force
+from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
 from suspid.units import ComplexArray, RealArray
 
 # Share of the largest speeds by which a unit of force within a radian of the fastest mode may change positions, in
 # standard deviations of 1. A smaller share slows the fit down, a larger one frees the gains.
 JUMP = 3e-5
-# Relative change of each parameter for derivatives, and fall of the loss at which a fit ends.
-CHANGE, SETTLED = 1e-6, 0.1
-# Least damping after a refused step.
-LEAST_DAMPING = 1e-3
-# Share of a step at which its bend is measured, and the largest bend that is followed, as a share of the step: that
-# of the reference.
-PROBE, MOST_BEND = 0.1, 0.375
-# A fit may make a motion take this many times the steps of its start: a pole that runs away would take minutes.
-MOST_STEPS_OVER = 2
-
-
-@dataclass(frozen=True, slots=True)
-class Steps:
-    """How a fit proceeds: steps at most, tries of each, and what divides the damping after a step, or multiplies it."""
-
-    most: int
-    tries: int
-    less: float
-    more: float
-    bends: bool  # whether steps follow the bend of a valley
-
-
-# A start without forces takes 4 to 8 steps, along a narrow valley 20; larger factors leave the valley again and again.
-SMOOTH_STEPS = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
-# Where friction holds a mass the likelihood has no bend, and each motion takes ten times as long.
-RUBBED_STEPS = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
+# Relative change of each parameter for derivatives.
+CHANGE = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -61,7 +37,7 @@ class Nearby:
         """Return derivatives over standard deviations, (parameter, sample of any channel, then jump)."""
         count, steps = len(self.steps), self.steps[:, None, None]
         weighted = self.apart / np.sqrt(of.variance)[:, None] / steps
-        jumps = (_jumps(self.structures) - _jumps(of.structures)) / _least_jumps(of.structures) / steps
+        jumps = (jumps_of(self.structures) - jumps_of(of.structures)) / least_jumps(of.structures) / steps
         return np.concatenate([weighted.reshape(count, -1), jumps.reshape(count, -1)], axis=1)
 
 
@@ -129,11 +105,11 @@ class StructureFit:
 
     def with_record(self, record: Record) -> StructureFit:
         """Return the same structure beside another record."""
-        return _evaluated(record, self.structures, self.order)
+        return evaluated(record, self.structures, self.order)
 
     def with_structures(self, structures: Structures) -> StructureFit:
         """Return another structure beside the same record."""
-        return _evaluated(self.record, structures, self.order)
+        return evaluated(self.record, structures, self.order)
 
     @cached_property
     def covariance(self) -> RealArray:
@@ -160,82 +136,10 @@ def structure_of(
     powers = np.exp(np.outer(theta, np.arange(record.values.shape[1])))
     follows = plain.places[0] * (theta[:, None] if plain.kind in OF_SPEED else 1.0)
     scales = np.max(np.abs(np.einsum("kj,kn->jn", follows, powers).real), axis=1) + 1e-300
-    return _evaluated(record, replace(plain, scales=scales), order)
+    return evaluated(record, replace(plain, scales=scales), order)
 
 
-def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
-    """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps.
-
-    Where the parameters of a force and those of a pole hardly differ, the likelihood falls along a narrow bent valley.
-    After a refused step, steps follow the bend: to first order in how the slopes change along them.
-
-    References
-    ----------
-    Transtrum, M. K. and Sethna, J. P. (2012). Improvements to the Levenberg-Marquardt algorithm for nonlinear
-    least-squares minimization. arXiv:1201.5885.
-    """
-    fit, damping, refused = start, LEAST_DAMPING, False
-    pace = RUBBED_STEPS if start.structures.kind is ForceKind.FRICTION else SMOOTH_STEPS
-    longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
-    for _ in range(pace.most if steps is None else steps):
-        slopes = fit.nearby.slopes(fit)
-        scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
-        unit = slopes * scale[:, None]
-        left = -_weighted(fit, fit)
-        information, gradient = unit @ unit.T, unit @ left
-        if not (np.all(np.isfinite(information)) and np.all(np.isfinite(gradient))):
-            return fit
-        better, before = None, _cost(fit)
-        for _ in range(pace.tries):
-            damped = information + damping * np.eye(len(information))
-            step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
-            if refused and pace.bends:
-                near = _moved(fit, PROBE * step * scale, longest)
-                bend = None if near is None else 2 / PROBE * ((_weighted(near, fit) + left) / PROBE - step @ unit)
-                if bend is not None and np.all(np.isfinite(bend)):
-                    turn = -0.5 * np.linalg.lstsq(damped, unit @ bend, rcond=None)[0]
-                    step = step + turn if np.linalg.norm(turn) < MOST_BEND * np.linalg.norm(step) else step
-            trial = _moved(fit, step * scale, longest)
-            if trial is not None and _cost(trial) < before:
-                better = trial
-                break
-            refused, damping = True, max(pace.more * damping, LEAST_DAMPING)
-        if better is None:
-            return fit
-        fit, damping = better, damping / pace.less
-        if before - _cost(fit) < SETTLED:
-            return fit
-    return fit
-
-
-def _moved(fit: StructureFit, step: RealArray, longest: int) -> StructureFit | None:
-    """Return the fit with its parameters changed, None where its motion would take more steps than the longest."""
-    structures, count = (
-        _with_parameters(fit.structures, (_parameters(fit.structures) + step)[None]),
-        fit.residual.shape[1],
-    )
-    possible = _possible(structures, fit) and steps_of(structures.theta[0], count, structures.kind) <= longest
-    return _evaluated(fit.record, structures, fit.order) if possible else None
-
-
-def _weighted(fit: StructureFit, of: StructureFit) -> RealArray:
-    """Return the motion less the record, and the jumps, over the standard deviations of another fit."""
-    jumps = _jumps(fit.structures) / _least_jumps(of.structures)
-    return np.concatenate([(-fit.residual / np.sqrt(of.variance)[:, None]).ravel(), jumps.ravel()])
-
-
-def _possible(structures: Structures, before: StructureFit) -> bool:
-    """Return whether poles turn, and not more than twice as fast as before the step."""
-    theta = structures.theta[0]
-    return bool(np.all(theta.imag > 0) and np.max(np.abs(theta)) < 2 * np.max(np.abs(before.theta)))
-
-
-def _cost(fit: StructureFit) -> float:
-    cost = fit.loss + float(np.sum((_jumps(fit.structures) / _least_jumps(fit.structures)) ** 2))
-    return cost if np.isfinite(cost) else np.inf
-
-
-def _with_parameters(of: Structures, parameters: RealArray) -> Structures:
+def with_parameters(of: Structures, parameters: RealArray) -> Structures:
     """Return structures with other parameters, (structure, parameter)."""
     every = parameters[:, ::2] + 1j * parameters[:, 1::2]
     poles, shapes = of.theta.shape[1], of.shapes[0].size
@@ -247,12 +151,12 @@ def _with_parameters(of: Structures, parameters: RealArray) -> Structures:
     )
 
 
-def _evaluated(record: Record, structures: Structures, order: int) -> StructureFit:
+def evaluated(record: Record, structures: Structures, order: int) -> StructureFit:
     """Return the structure with its motion and what that leaves of a record."""
-    at, count = _parameters(structures), record.values.shape[1]
+    at, count = parameters_of(structures), record.values.shape[1]
     steps = np.maximum(CHANGE * np.repeat(np.abs(at[::2] + 1j * at[1::2]), 2), CHANGE**1.5)
     # A step costs about as much for all of them as for one.
-    every = _with_parameters(structures, at + np.vstack([np.zeros(len(at)), np.diag(steps)]))
+    every = with_parameters(structures, at + np.vstack([np.zeros(len(at)), np.diag(steps)]))
     with np.errstate(over="ignore", invalid="ignore"):
         motion = motion_of(every, count)
         observed = _observed(record, every, motion, order)
@@ -273,7 +177,7 @@ def _evaluated(record: Record, structures: Structures, order: int) -> StructureF
     )
 
 
-def _parameters(of: Structures) -> RealArray:
+def parameters_of(of: Structures) -> RealArray:
     """Return real and imaginary parts of the exponents, shapes and gains of one structure."""
     every = np.concatenate([of.theta.ravel(), of.shapes.ravel(), of.gains.ravel()])
     return np.column_stack([every.real, every.imag]).ravel()
@@ -297,12 +201,12 @@ def _less_nuisances(record: Record, values: RealArray) -> RealArray:
     return np.asarray(values - (values @ basis) @ basis.T)
 
 
-def _jumps(structures: Structures) -> RealArray:
+def jumps_of(structures: Structures) -> RealArray:
     """Return the change of each displacement by each force at once: no force moves a mass at once."""
     return np.asarray(np.einsum("pkc,pkj->pcj", structures.shapes, structures.gains).real)
 
 
-def _least_jumps(structures: Structures) -> RealArray:
+def least_jumps(structures: Structures) -> RealArray:
     """Return the standard deviations of the jumps, (channel, 1)."""
     speeds = np.abs(structures.shapes[0] * structures.theta[0, :, None])
     return np.asarray(JUMP * np.sum(speeds, axis=0)[:, None])

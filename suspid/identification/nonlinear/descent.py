@@ -1,0 +1,118 @@
+"""Fit structures to records: damped Gauss-Newton steps that follow the bend of narrow valleys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.identification.nonlinear.forces import ForceKind
+from suspid.identification.nonlinear.motion import Structures, steps_of
+from suspid.identification.nonlinear.structure import (
+    StructureFit,
+    evaluated,
+    jumps_of,
+    least_jumps,
+    parameters_of,
+    with_parameters,
+)
+from suspid.units import RealArray
+
+# Fall of the loss at which a fit ends.
+SETTLED = 0.1
+# Least damping after a refused step.
+LEAST_DAMPING = 1e-3
+# Share of a step at which its bend is measured, and the largest bend that is followed, as a share of the step: that
+# of the reference.
+PROBE, MOST_BEND = 0.1, 0.375
+# A fit may make a motion take this many times the steps of its start: a pole that runs away would take minutes.
+MOST_STEPS_OVER = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """How a fit proceeds: steps at most, tries of each, and what divides the damping after a step, or multiplies it."""
+
+    most: int
+    tries: int
+    less: float
+    more: float
+    bends: bool  # whether steps follow the bend of a valley
+
+
+# A start without forces takes 4 to 8 steps, along a narrow valley 20; larger factors leave the valley again and again.
+SMOOTH_STEPS = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
+# Where friction holds a mass the likelihood has no bend, and each motion takes ten times as long.
+RUBBED_STEPS = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
+
+
+def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
+    """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps.
+
+    Where the parameters of a force and those of a pole hardly differ, the likelihood falls along a narrow bent valley.
+    After a refused step, steps follow the bend: to first order in how the slopes change along them.
+
+    References
+    ----------
+    Transtrum, M. K. and Sethna, J. P. (2012). Improvements to the Levenberg-Marquardt algorithm for nonlinear
+    least-squares minimization. arXiv:1201.5885.
+    """
+    fit, damping, refused = start, LEAST_DAMPING, False
+    pace = RUBBED_STEPS if start.structures.kind is ForceKind.FRICTION else SMOOTH_STEPS
+    longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
+    for _ in range(pace.most if steps is None else steps):
+        slopes = fit.nearby.slopes(fit)
+        scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
+        unit = slopes * scale[:, None]
+        left = -_weighted(fit, fit)
+        information, gradient = unit @ unit.T, unit @ left
+        if not (np.all(np.isfinite(information)) and np.all(np.isfinite(gradient))):
+            return fit
+        better, before = None, _cost(fit)
+        for _ in range(pace.tries):
+            damped = information + damping * np.eye(len(information))
+            step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
+            if refused and pace.bends:
+                near = _moved(fit, PROBE * step * scale, longest)
+                bend = None if near is None else 2 / PROBE * ((_weighted(near, fit) + left) / PROBE - step @ unit)
+                if bend is not None and np.all(np.isfinite(bend)):
+                    turn = -0.5 * np.linalg.lstsq(damped, unit @ bend, rcond=None)[0]
+                    step = step + turn if np.linalg.norm(turn) < MOST_BEND * np.linalg.norm(step) else step
+            trial = _moved(fit, step * scale, longest)
+            if trial is not None and _cost(trial) < before:
+                better = trial
+                break
+            refused, damping = True, max(pace.more * damping, LEAST_DAMPING)
+        if better is None:
+            return fit
+        fit, damping = better, damping / pace.less
+        if before - _cost(fit) < SETTLED:
+            return fit
+    return fit
+
+
+def _moved(fit: StructureFit, step: RealArray, longest: int) -> StructureFit | None:
+    """Return the fit with its parameters changed, None where its motion would take more steps than the longest."""
+    structures, count = (
+        with_parameters(fit.structures, (parameters_of(fit.structures) + step)[None]),
+        fit.residual.shape[1],
+    )
+    possible = _possible(structures, fit) and steps_of(structures.theta[0], count, structures.kind) <= longest
+    return evaluated(fit.record, structures, fit.order) if possible else None
+
+
+def _weighted(fit: StructureFit, of: StructureFit) -> RealArray:
+    """Return the motion less the record, and the jumps, over the standard deviations of another fit."""
+    jumps = jumps_of(fit.structures) / least_jumps(of.structures)
+    return np.concatenate([(-fit.residual / np.sqrt(of.variance)[:, None]).ravel(), jumps.ravel()])
+
+
+def _possible(structures: Structures, before: StructureFit) -> bool:
+    """Return whether poles turn, and not more than twice as fast as before the step."""
+    theta = structures.theta[0]
+    return bool(np.all(theta.imag > 0) and np.max(np.abs(theta)) < 2 * np.max(np.abs(before.theta)))
+
+
+def _cost(fit: StructureFit) -> float:
+    cost = fit.loss + float(np.sum((jumps_of(fit.structures) / least_jumps(fit.structures)) ** 2))
+    return cost if np.isfinite(cost) else np.inf
