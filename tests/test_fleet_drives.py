@@ -121,7 +121,8 @@ class TestRows:
             # One false alarm in two million of these tests.
             assert abs(row["chassis.stiffness"] - 22e3) < 5 * row["chassis.stiffness_std"] < 0.05 * 22e3
             truth = damping(row["vehicle"], i % DRIVES)
-            assert abs(row["chassis.damping"] - truth) < 5 * row["chassis.damping_std"] < 0.1 * truth
+            # The Cramér-Rao bound of c is 0.93 % from 60 s of class B, so 1.43 % from 25 s; roads differ by a half.
+            assert abs(row["chassis.damping"] - truth) < 5 * row["chassis.damping_std"] < 5 * 1.5 * 0.0143 * truth
             assert row["tire.stiffness"] == 210e3
             assert row["tire.stiffness_std"] is None
             assert (row["stretches"], row["explains"]) == (1, True)

@@ -63,6 +63,8 @@ are above that in part: 0.32 and 0.93 % without a mount, 0.31 % of c with one of
 and 0.77 % for the full one. What lies below its bound does so because no mount is negative. Intervals are those of the
 profile of the likelihood within the bounds, wider beside one since likelihood ratios there are a mixture of
 chi-squares. To first order 95 to 98 % of them hold there.
+
+Seeds are those from 730000 on, which were not used during development; of corners those from 0 on.
 `SUSPID_SEEDS=100 python -m validation greybox` prints these tables."""
 SIMULATOR = """## Records of another simulator
 
