@@ -192,6 +192,6 @@ class EstimationError(_NoSuspensionError):
     ...     estimate(record, car)
     ... except EstimationError as error:
     ...     print(error)
-    the motion does not die down; ...: ...; fix one
+    the records do not determine chassis.stiffness, tire.stiffness, chassis.damping, tire.damping: ...; fix one
     with fixed=…, state nominal_std=…, or measure at more coordinates
     """

@@ -155,7 +155,8 @@ def _twins(problem: Problem, best: Found) -> Iterator[RealArray]:
 
 def _perhaps_driven(problem: Problem) -> tuple[str | Argument, ...]:
     """Return what is said where a record counts as a free decay and does not die down."""
-    if any(len(trial.inputs) or dies_down(trial.values) for trial in problem.trials):
+    moved = any(np.any(np.ptp(trial.values, axis=1) > 0) for trial in problem.trials)
+    if not moved or any(len(trial.inputs) or dies_down(trial.values) for trial in problem.trials):
         return ()
     return (
         "the motion does not die down; if wheels, roads or forces moved the car, name them in ",
