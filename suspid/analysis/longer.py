@@ -48,21 +48,22 @@ def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> 
     if len(best.used) != 1 or not isinstance(decays, Decays):
         return best
     signal = as_signal(record)
-    released = _released(record, best.used[0], first_of(best.used[0], decays, signal))
-    for decay in longer_decays(best.used[0], decays, released=released, signal=signal):
+    before = _before(best.used[0], decays, signal)
+    released = _released(record, best.used[0], min(decay.start for decay in (best.used[0], *before)))
+    for decay in _longer_decays(best.used[0], decays, before=before, released=released, end=float(signal.timepts[-1])):
         earlier = decay.start < best.used[0].start
         if not earlier:
             best = with_identification(best, settings)
-            if not goes_on(best.identification, _after(signal, best)):
+            if not _goes_on(best.identification, _after(signal, best)):
                 continue
         more = with_identification(used_of(record, decays, decay), settings)
         found = more.identification
         if found is None:
             continue
-        if earlier and best.identification is None and shows_all(found, best.used[0]):
+        if earlier and best.identification is None and _shows_all(found, best.used[0]):
             return more
         best = with_identification(best, settings)
-        if shows_more(found, best.identification):
+        if _shows_more(found, best.identification):
             return more
     return best
 
@@ -87,46 +88,43 @@ def _after(signal: Signal, best: Used) -> RealArray:
     return signal.values[rows][:, signal.timepts > best.used[0].stop + 0.5 * signal.step]
 
 
-def longer_decays(
-    used: Decay, decays: Sequence[Decay], *, released: Sequence[Second], signal: Signal
-) -> Iterator[Decay]:
-    """Yield longer decays: the one that is used from where the motion before it was let go; those that contain it.
+def _before(used: Decay, decays: Sequence[Decay], signal: Signal) -> list[Decay]:
+    """Return the decays that begin before the one that is used: those that contain it or that it continues, joined."""
+    earlier = [decay for decay in decays if decay.start < used.start]
+    return [
+        decay if decay.stop >= used.stop else _until(decay, used.stop)
+        for decay in earlier
+        if decay.stop >= used.stop or _continued(signal, decay, used)
+    ]
 
-    Then those that it continues, joined to it; it joined to the next where it is cut off, and continued to the last
-    sample of the record where no other was found: what fills it has no background to meet.
+
+def _longer_decays(
+    used: Decay, decays: Sequence[Decay], *, before: Sequence[Decay], released: Sequence[Second], end: Second
+) -> Iterator[Decay]:
+    """Yield longer decays: the one that is used from where the motion before it was let go, then those before it.
+
+    Then it joined to the next where it is cut off, and continued to the last sample of the record where no other was
+    found: what fills it has no background to meet.
     """
     yield from (replace(used, start=start) for start in released if start < used.start - EARLIER * _period(used))
-    for decay in decays:
-        if decay.start >= used.start:
-            continue
-        if decay.stop >= used.stop:
-            yield decay
-        elif _continued(signal, decay, used):
-            yield _until(decay, max(decay.stop, used.stop))
+    yield from before
     if any(doubt.code is DecayDoubt.CUT_OFF for doubt in used.doubts):
         after = [
             d for d in decays if used.start < d.start <= used.stop + SHORT_PAUSE * _period(used) and d.stop > used.stop
         ]
         yield from (_until(used, decay.stop) for decay in after)
-    end = float(signal.timepts[-1])
     if len(decays) == 1 and end > used.stop:
         yield _until(used, end)
 
 
-def first_of(used: Decay, decays: Sequence[Decay], signal: Signal) -> Second:
-    """Return the start of the first decay that the one that is used continues."""
-    starts = [d.start for d in decays if d.start < used.start and (d.stop >= used.stop or _continued(signal, d, used))]
-    return min([used.start, *starts])
-
-
-def goes_on(found: Identification | None, after: RealArray) -> bool:
+def _goes_on(found: Identification | None, after: RealArray) -> bool:
     """Return whether the samples after a decay (channel, sample) move more than what the fit to it leaves."""
     if found is None or not after.shape[1]:
         return found is None
     return bool(np.any(np.ptp(after, axis=1) > MOVES * found.noise_std))
 
 
-def shows_more(longer: Identification, found: Identification | None) -> bool:
+def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
 
     It has all modes of the other unless that is doubtful, and more modes that are well known or as good a verdict.
@@ -143,7 +141,7 @@ def shows_more(longer: Identification, found: Identification | None) -> bool:
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
 
 
-def shows_all(longer: Identification, used: Decay) -> bool:
+def _shows_all(longer: Identification, used: Decay) -> bool:
     """Return whether an identification leaves only noise and has the modes of a part that a quick fit found."""
     wn, modes = longer.modes.wn, used.wn
     if not settled(longer) or longer.verdict.level is Level.DOUBTFUL or not len(modes):

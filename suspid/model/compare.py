@@ -11,7 +11,7 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import EXACT, NORMAL_95, ROUNDING
 from suspid.model.compare_parameters import compare_parameters
-from suspid.model.comparison import ComparedValue, Comparison
+from suspid.model.comparison import ComparedValue, Comparison, mean_errors
 from suspid.model.force_curves import piecewise
 from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters
 from suspid.model.matching import common_mac, paired
@@ -19,7 +19,7 @@ from suspid.model.modes import ModalSet
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
 from suspid.units import UNITS, Ratio, RealArray
-from suspid.values import FrozenMapping, frozen_real
+from suspid.values import frozen_real
 
 WN_ZETA = ("wn", "zeta")
 
@@ -167,7 +167,7 @@ def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Mapping[str, Ratio
     rules = {name: _rule_in_words(rtol.get(name), sigmas if known else None) for name in WN_ZETA}
     same = len(set(rules.values())) == 1
     rule = f"allowed: {rules['wn'] if same else ', '.join(f'{name} {rule}' for name, rule in rules.items())}"
-    return Comparison(table=tuple(rows), mae=_mean_errors(rows, WN_ZETA), mac=matched_mac, rule=rule)
+    return Comparison(table=tuple(rows), mae=mean_errors(rows, WN_ZETA), mac=matched_mac, rule=rule)
 
 
 def _rule_in_words(rtol: Ratio | None, sigmas: float | None) -> str:
@@ -224,7 +224,7 @@ def _compare_suspensions(found: Suspension, expected: Suspension, rtol: Ratio | 
         _row(item, what, value, truth, 0.0 if truth is None else _allowed(truth, scales[what], tolerance))
         for item, what, value, truth in values
     ]
-    mae = _mean_errors(rows, ("stiffness", "damping"))
+    mae = mean_errors(rows, ("stiffness", "damping"))
     return Comparison(table=tuple(rows), mae=mae, mac=None, rule=_rule(rtol))
 
 
@@ -260,12 +260,6 @@ def _check_topology(found: Suspension, expected: Suspension) -> None:
 def _row(item: str, quantity: str, found: float | None, expected: float | None, allowed: float) -> ComparedValue:
     unit = UNITS[quantity]
     return ComparedValue(item=item, quantity=quantity, unit=unit, found=found, expected=expected, allowed=allowed)
-
-
-def _mean_errors(rows: list[ComparedValue], quantities: tuple[str, ...]) -> FrozenMapping:
-    """Return the mean absolute error of each quantity over the rows that have both values; NaN without any."""
-    errors = {q: [abs(row.error) for row in rows if row.quantity == q and row.error is not None] for q in quantities}
-    return FrozenMapping({q: float(np.mean(e)) if e else np.nan for q, e in errors.items()})
 
 
 def _allowed(expected: float, scale: float, rtol: Ratio) -> float:

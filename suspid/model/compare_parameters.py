@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import EXACT, ROUNDING
-from suspid.model.comparison import ComparedValue, Comparison
+from suspid.model.comparison import ComparedValue, Comparison, mean_errors
 from suspid.model.found_parameters import FoundParameters
 from suspid.units import UNITS, Ratio
-from suspid.values import FrozenMapping
 
 
 def compare_parameters(
@@ -53,11 +50,5 @@ def compare_parameters(
                 allowed=max(allowed, exact),
             )
         )  # fmt: skip
-    return Comparison(table=tuple(rows), mae=_mean_errors(rows), mac=None, rule=f"allowed: {rule}")
-
-
-def _mean_errors(rows: list[ComparedValue]) -> Mapping[str, float]:
-    errors: dict[str, list[float]] = {}
-    for row in rows:
-        errors.setdefault(row.quantity, []).append(abs(row.error or 0.0))
-    return FrozenMapping({quantity: float(np.mean(values)) for quantity, values in errors.items()})
+    quantities = tuple(dict.fromkeys(row.quantity for row in rows))
+    return Comparison(table=tuple(rows), mae=mean_errors(rows, quantities), mac=None, rule=f"allowed: {rule}")

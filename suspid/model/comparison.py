@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from suspid.results import Result, columns_of
 from suspid.text_tables import text_table
 from suspid.units import UNITS, RealArray
-from suspid.values import MOST_NUMBERS
+from suspid.values import MOST_NUMBERS, FrozenMapping
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -131,3 +133,9 @@ class Comparison(Result):
 
 def _text(value: float | None, digits: int) -> str:
     return "" if value is None else f"{value:.{digits}g}"
+
+
+def mean_errors(rows: Sequence[ComparedValue], quantities: tuple[str, ...]) -> FrozenMapping:
+    """Return the mean absolute error of each quantity over the rows that have both values; NaN without any."""
+    errors = {q: [abs(row.error) for row in rows if row.quantity == q and row.error is not None] for q in quantities}
+    return FrozenMapping({q: float(np.mean(e)) if e else np.nan for q, e in errors.items()})

@@ -93,11 +93,9 @@ def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
 
 def _moved(fit: StructureFit, step: RealArray, longest: int) -> StructureFit | None:
     """Return the fit with its parameters changed, None where its motion would take more steps than the longest."""
-    structures, count = (
-        with_parameters(fit.structures, (parameters_of(fit.structures) + step)[None]),
-        fit.residual.shape[1],
-    )
-    possible = _possible(structures, fit) and steps_of(structures.theta[0], count, structures.kind) <= longest
+    structures = with_parameters(fit.structures, (parameters_of(fit.structures) + step)[None])
+    steps = steps_of(structures.theta[0], fit.residual.shape[1], structures.kind)
+    possible = _possible(structures, fit) and steps <= longest
     return evaluated(fit.record, structures, fit.order) if possible else None
 
 
