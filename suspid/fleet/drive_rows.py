@@ -15,8 +15,8 @@ from suspid.fleet.failures import failure, which
 from suspid.fleet.job import DriveJob, Job
 from suspid.fleet.records import Entry, Seen
 from suspid.fleet.tables import Row, Rows, dampers_named, drives_layout
-from suspid.greybox import Estimate, nominal_value, parameter_unit
-from suspid.model import car_from_toml
+from suspid.greybox import Estimate, parameter_unit
+from suspid.model import car_from_toml, value_in
 from suspid.performance import DamperWear, Grip, Wear, rates_of
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
@@ -114,7 +114,7 @@ def _of_estimate(found: Estimate) -> dict[str, object]:
     }
     for name, value, std in zip(found.parameters, found.values.tolist(), found.std.tolist(), strict=True):
         values |= {name: value, f"{name}_std": std}
-    values |= {name: nominal_value(found.nominal, name) for name in found.held}
+    values |= {name: value_in(found.nominal, name) for name in found.held}
     for damper in dampers_named(found.suspension):
         if f"{damper}.damping" in found.parameters:
             covariance = rates_of(found, damper).covariance
@@ -156,7 +156,7 @@ def _springs(found: Estimate, level: float) -> list[dict[str, object]]:
         for name, value, std in zip(found.parameters, found.values.tolist(), found.std.tolist(), strict=True)
     ]
     rows += [
-        {"parameter": name, "value": nominal_value(found.nominal, name), "std": None, "low": None, "high": None,
+        {"parameter": name, "value": value_in(found.nominal, name), "std": None, "low": None, "high": None,
          "held": True}
         for name in found.held
     ]  # fmt: skip

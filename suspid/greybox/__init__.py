@@ -23,7 +23,7 @@ from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.drive_tables import nothing_usable, stretch_table, summary_table
 from suspid.greybox.drives import Drive, Drives
 from suspid.greybox.estimate import estimate
-from suspid.greybox.estimate_tables import nominal_value, parameter_table, parameter_unit, quantities_in
+from suspid.greybox.estimate_tables import parameter_table, parameter_unit, quantities_in
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.find_drives import find_drives
 from suspid.greybox.line_test import LineTest
@@ -51,7 +51,6 @@ __all__ = [
     "find_drives",
     "likely_causes",
     "nameless_forces",
-    "nominal_value",
     "nothing_usable",
     "own_unit",
     "parameter_table",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from suspid.model import Suspension
+from suspid.model import value_in
 from suspid.signals import as_signal
 from suspid.text_tables import rounded, spread, text_table
 from suspid.units import UNITS
@@ -27,17 +27,9 @@ def parameter_unit(name: str) -> str:
     return UNITS[name.rpartition(".")[2]]
 
 
-def nominal_value(car: Suspension, name: str) -> float | None:
-    """Return the nominal value of a parameter of the car; None for one of a channel."""
-    owner, _, quantity = name.rpartition(".")
-    if quantity == "mass":
-        return car.masses[owner]
-    return next((float(getattr(s, quantity)) for s in car.struts if s.name == owner and hasattr(s, quantity)), None)
-
-
 def parameter_table(found: Estimate) -> str:
     """Return the table of all parameters, with their nominal values."""
-    nominal = [nominal_value(found.nominal, name) for name in found.parameters]
+    nominal = [value_in(found.nominal, name) for name in found.parameters]
     apart = found.beyond_chance()
     rows: dict[str, list[str]] = {
         "parameter": list(found.parameters),

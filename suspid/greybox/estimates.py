@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.greybox.estimate_tables import channel_table, nominal_value, parameter_table, parameter_unit
+from suspid.greybox.estimate_tables import channel_table, parameter_table, parameter_unit
 from suspid.greybox.parameter_ends import Spread, bounded_ends, changed
 from suspid.greybox.roads import RoadEstimate
 from suspid.identification import lag_one
 from suspid.levels import LEVEL, check_level
-from suspid.model import ModalSet, Suspension
+from suspid.model import ModalSet, Suspension, value_in
 from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import Hertz, Ratio, RealArray
@@ -199,7 +199,7 @@ class Estimate(Result):
             "std": self.std.tolist(),
             "lower": [ends[name][0] for name in self.parameters],
             "upper": [ends[name][1] for name in self.parameters],
-            "nominal": [nominal_value(self.nominal, name) for name in self.parameters],
+            "nominal": [value_in(self.nominal, name) for name in self.parameters],
             "unit": [parameter_unit(name) for name in self.parameters],
         }
 

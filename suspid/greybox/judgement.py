@@ -6,10 +6,9 @@ from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
-from suspid.greybox.estimate_tables import nominal_value
 from suspid.greybox.parameter_ends import ends_of
 from suspid.levels import LEVEL
-from suspid.model import Suspension
+from suspid.model import Suspension, value_in
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray
 from suspid.words import Check, Level, Remark
@@ -69,7 +68,7 @@ def far_or_vague(
     assumed: Collection[str] = (),
 ) -> Iterator[Check]:
     """Yield which springs may be in other units, and which parameters are hardly known, except those ``assumed``."""
-    old = np.array([np.nan if one is None else one for one in (nominal_value(nominal, name) for name in parameters)])
+    old = np.array([np.nan if one is None else one for one in (value_in(nominal, name) for name in parameters)])
     low, high = ends_of(parameters, values, std, LEVEL)
     vague = []
     for name, value, a, b, one in zip(parameters, values, low, high, old, strict=True):
@@ -79,7 +78,7 @@ def far_or_vague(
     far = tuple(
         name
         for name, value, a, b in zip(parameters, values.tolist(), low.tolist(), high.tolist(), strict=True)
-        if name.endswith(".stiffness") and _far(value, a, b, nominal_value(nominal, name))
+        if name.endswith(".stiffness") and _far(value, a, b, value_in(nominal, name))
     )
     if far:
         yield Check(Remark(EstimateCheck.UNITS, {"names": far, "factor": MOST_CHANGE}), Level.CARE)

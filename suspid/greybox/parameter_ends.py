@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from suspid.greybox.estimate_tables import nominal_value
 from suspid.greybox.within_bounds import ends_within
 from suspid.levels import LEVEL, beyond_chance, normal_reach
-from suspid.model import Suspension
+from suspid.model import Suspension, value_in
 from suspid.units import Flags, Ratio, RealArray
 
 # Parameters that are positive and have intervals of a ratio; the others may be zero.
@@ -61,7 +60,7 @@ def bounded_ends(found: Spread, level: Ratio) -> list[RealArray]:
 
 def changed(nominal: Suspension, found: Spread, level: Ratio = LEVEL) -> frozenset[str]:
     """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
-    every = {name: nominal_value(nominal, name) for name in found.parameters}
+    every = {name: value_in(nominal, name) for name in found.parameters}
     count = sum(value is not None for value in every.values())
 
     def outside(level: Ratio) -> list[str]:

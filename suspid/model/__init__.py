@@ -15,7 +15,7 @@ from suspid.model.comparison import Comparison
 from suspid.model.covariance import check_definite
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
 from suspid.model.force_curves import Curve, equal_work, piecewise, slopes
-from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters
+from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters, value_in
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
 from suspid.model.interval import Interval
@@ -71,5 +71,6 @@ __all__ = [
     "slopes",
     "state_matrix",
     "statespace",
+    "value_in",
     "write_car",
 ]

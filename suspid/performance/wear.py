@@ -9,9 +9,9 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
-from suspid.greybox import DamperCurve, Estimate, nominal_value, parameter_unit
+from suspid.greybox import DamperCurve, Estimate, parameter_unit
 from suspid.levels import NORMAL_95, beyond_chance, normal_reach
-from suspid.model import Suspension
+from suspid.model import Suspension, value_in
 from suspid.performance.curve_wear import bent, curve_named, said_of_bent, wear_by_curve
 from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
 from suspid.performance.grip import grip_if_any
@@ -173,11 +173,11 @@ def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterCh
     old = earlier[-1] if earlier else None
     rows = []
     for name, after, std in zip(now.parameters, now.values.tolist(), now.std.tolist(), strict=True):
-        if nominal_value(now.nominal, name) is None or (old is not None and name not in old.parameters):
+        if value_in(now.nominal, name) is None or (old is not None and name not in old.parameters):
             continue
         spread = 0.0
         if old is None:
-            before = float(nominal_value(now.nominal, name) or 0.0)
+            before = float(value_in(now.nominal, name) or 0.0)
         else:
             at = old.parameters.index(name)
             before, spread = float(old.values[at]), float(old.std[at])

@@ -21,10 +21,10 @@ from suspid.analysis import CheckedLimits
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, printable, read_text
-from suspid.greybox import Estimate, nominal_value, parameter_unit
+from suspid.greybox import Estimate, parameter_unit
 from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
-from suspid.model import Suspension, car_from_toml, car_to_toml
+from suspid.model import Suspension, car_from_toml, car_to_toml, value_in
 from suspid.reconstruction import parameter_values, with_values
 from suspid.reporting.estimate_checks import check_cars, check_judgement, check_parameters, checked_covariance
 from suspid.reporting.limits_json import limits_to_dict
@@ -64,7 +64,7 @@ def estimate_to_dict(
         "level": level,
         "parameters": _parameters(found, level),
         "covariance": found.covariance.tolist(),
-        "held": [{"name": n, "value": nominal_value(found.nominal, n), "unit": parameter_unit(n)} for n in found.held],
+        "held": [{"name": n, "value": value_in(found.nominal, n), "unit": parameter_unit(n)} for n in found.held],
         "masses": [{"name": name, "value": mass, "unit": "kg"} for name, mass in found.suspension.masses.items()],
         "car": {
             "found": car_to_toml(found.suspension),
@@ -218,7 +218,7 @@ def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
     for name, value, std, unbounded, (least, most) in zip(
         found.parameters, *(column.tolist() for column in columns), strict=True
     ):
-        nominal = nominal_value(found.nominal, name)
+        nominal = value_in(found.nominal, name)
         low, high = ends[name]
         rows.append(
             {

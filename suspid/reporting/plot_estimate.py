@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
+from suspid.model import value_in
 from suspid.reporting.axes import entitle, keep_apart, key_above, plot_residual, shown, unit_ticks
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
@@ -102,7 +102,7 @@ def draw_changes(found: Estimate | Reconstruction, ax: Axes, level: Ratio = LEVE
     known, names = found.covariance is not None, list[str]()
     ends, apart = (found.interval(level), found.beyond_chance(level)) if known else ({}, frozenset[str]())
     for name, value in values_of(found).items():
-        nominal = None if found.nominal is None else nominal_value(found.nominal, name)
+        nominal = None if found.nominal is None else value_in(found.nominal, name)
         if not nominal:
             continue
         low, high = ends.get(name, (value, value))

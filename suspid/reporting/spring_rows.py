@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.greybox import Estimate, nominal_value, parameter_unit
+from suspid.greybox import Estimate, parameter_unit
 from suspid.levels import normal_reach
+from suspid.model import value_in
 from suspid.reconstruction import parameter_values
 from suspid.reporting.numerals import NOTHING, Quantity, digits, plain, quantity, signed
 from suspid.units import Ratio
@@ -43,7 +44,7 @@ def spring_rows(found: Estimate | Reconstruction, level: Ratio) -> list[SpringRo
     stds = [None] * len(values) if found.covariance is None else np.sqrt(np.diag(found.covariance)).tolist()
     rows = []
     for (name, value), std in zip(values.items(), stds, strict=True):
-        nominal = None if found.nominal is None else nominal_value(found.nominal, name)
+        nominal = None if found.nominal is None else value_in(found.nominal, name)
         rows.append(
             SpringRow(
                 name=printable(name),
@@ -70,7 +71,7 @@ def values_of(found: Estimate | Reconstruction) -> dict[str, float]:
 
 def _held(found: Estimate | Reconstruction, name: str) -> SpringRow:
     """Return the row of what was held at its nominal value."""
-    value = nominal_value(found.suspension, name)
+    value = value_in(found.suspension, name)
     return SpringRow(
         name=printable(name),
         unit=parameter_unit(name),
