@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.decays import GRAVE, Decay
+from suspid.decays import DRIVEN, FEWEST_EARLY, GRAVE, TRIAL_PARTS, Decay, unexplained
 from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
@@ -113,8 +113,10 @@ def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
     """Return the doubts about a decay as checks; what an identification down to the noise refutes calls for care.
 
     A quick fit takes means of several samples. That these are few says nothing of an identification, which takes all.
+    What it leaves is explained where a fit with forces leaves hardly anything.
     """
     refuted, answered = (FIT, ANSWERED) if settled(found) else (frozenset(), frozenset())
+    answered |= FIT if _explained_by_forces(found) else frozenset()
     return tuple(
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),
@@ -123,6 +125,16 @@ def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
         for doubt in decay.doubts
         if doubt.code not in answered
     )
+
+
+def _explained_by_forces(found: Identification) -> bool:
+    """Return whether a fit with forces that are not linear leaves too little, first and later, to be driven motion."""
+    if not found.forces:
+        return False
+    motion, left = as_signal(found.fitted).values, as_signal(found.residual).values
+    motion = motion - motion.mean(axis=1, keepdims=True)
+    first = max(FEWEST_EARLY, motion.shape[1] // TRIAL_PARTS)
+    return all(np.max(unexplained(motion[:, :end], left[:, :end])) <= DRIVEN for end in (3 * first, motion.shape[1]))
 
 
 def _poles(found: Identification) -> int:

@@ -10,6 +10,20 @@ one event), `tails` (the free end of a driven record) and `releases` (a car that
 from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.find_decays import find_decays
 from suspid.decays.predictions import releases_before
+from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
+from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, unexplained
 
-__all__ = ["GRAVE", "LOOK_BLOCKS", "Decay", "Decays", "clearly_driven", "find_decays", "releases_before"]
+__all__ = [
+    "DRIVEN",
+    "FEWEST_EARLY",
+    "GRAVE",
+    "LOOK_BLOCKS",
+    "TRIAL_PARTS",
+    "Decay",
+    "Decays",
+    "clearly_driven",
+    "find_decays",
+    "releases_before",
+    "unexplained",
+]

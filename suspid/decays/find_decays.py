@@ -28,9 +28,9 @@ from suspid.words import DecayDoubt, DecayRemark, Remark
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
 # search. Higher numbers find more of the weak decays of a long drive; each costs about a second.
 MOST_BURSTS, MOST_IN_VAIN = 16, 8
-# A body that is let go again and again shows the same mode, to within this share of its frequency: the standard deviation
-# after two cycles is half as much. In a wider band, modes of different stretches of a drive agree by chance.
-SAME_MODE = 0.05
+# A body that is let go again and again shows the same mode, to within this share of its frequency: five standard
+# deviations after two cycles. In a wider band, modes of different stretches of a drive agree by chance.
+SAME_MODE = 0.1
 # With at most this many events, none of them a decay, the whole record may be one.
 FEW_BURSTS = 4
 

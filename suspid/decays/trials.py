@@ -208,7 +208,7 @@ def tried(
     if not np.all(np.any(np.abs(about) > 1e-12 * np.max(np.abs(means), axis=1, keepdims=True), axis=1)):
         return None
     noise = WhiteNoise(least=least).rounded(np.sum(about**2, axis=1), count)
-    selection = select(about, noise=noise, most=sought)
+    selection = select(about, noise=noise, most=sought, intervals=False)
     fit = selection.fit
     pairs = len(fit.poles.pairs)
     residual = about - synthesize(fit.poles.exponents, fit.amplitudes, count)

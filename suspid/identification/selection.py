@@ -62,6 +62,7 @@ def select(
     modes: int | None = None,
     band: tuple[float, float] = (0.0, np.pi),
     most: int | None = None,
+    intervals: bool = True,
 ) -> Selection:
     """Return the poles of a record, added one after another while BIC decreases.
 
@@ -71,7 +72,8 @@ def select(
 
     The values are the record less its mean. With a number of modes, the strongest are kept, and the record is fitted
     anew without what lies beside them. The band holds the angular frequencies per sample between which a pole can be a
-    mode. The search ends with ``most`` pairs, by default `MOST_PAIRS`.
+    mode. The search ends with ``most`` pairs, by default `MOST_PAIRS`. Without ``intervals``
+    none is widened, which saves a quarter of the time.
     """
     blocks = blocks_of(values)
     problem = Problem(values=values, blocks=blocks, noise=noise.rounded(blocks.energy, blocks.count))
@@ -84,9 +86,9 @@ def select(
     fit = problem.settled(fit)
     # Sums of squares from samples are more accurate than differences of energies.
     solution = reweighed(fit.solution, problem.noise, fit.squares)
-    widening, bends, open_ones = unresolved(problem, fit)
-    reasons = list(reasons_of(solution, band, fit.loudness, fit.explained))
     pairs = len(solution.poles.pairs)
+    widening, bends, open_ones = unresolved(problem, fit) if intervals else (np.zeros(pairs), np.zeros(pairs, bool), ())
+    reasons = list(reasons_of(solution, band, fit.loudness, fit.explained))
     for index in pairs + np.flatnonzero(ambiguous(gains[pairs:], pair_gains, channels=blocks.channels)):
         reasons[index] = reasons[index] or Reason.REAL_OR_PAIR
     kept = [index for index in np.argsort(-gains) if reasons[index] is None]

@@ -102,14 +102,16 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
     """Return the best fit near that of given poles with forces of one kind or two, while BIC is lower for them.
 
     Forces are fitted if those of one kind promise to lower the variance of the residual by a factor, less their cost.
+    Of a single mode there may be more kinds, each of which lowers the variance by `LEAST_FALL`: beside other modes, a
+    force may stand for one.
     """
     best = Bent(fit=plain, forces=(), order=0)
     motions = record.motions(0)
-    first = [trial for kind in ForceKind if (trial := added(record, best, kind, motions)) is not None]
+    alone = [trial for kind in ForceKind if (trial := added(record, best, kind, motions)) is not None]
     fall = plain.residual.size * np.log(least_fall)
-    if not any(trial.fit.promised < plain.bic - fall for trial in first):
+    if not any(trial.fit.promised < plain.bic - fall for trial in alone):
         return best
-    trials = first + [
+    trials = alone + [
         trial
         for order in (1, 2)
         for motions in [record.motions(order)]
@@ -118,10 +120,14 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
         if trial is not None
     ]
     best = _best(record, best, trials)
-    if best.forces:
+    first, needed = True, 0.0
+    while best.forces and (first or best.count == 1):
         motions, present = motions_of(best), {force.kind for force in best.forces}
         more = [added(record, best, kind, motions) for kind in ForceKind if kind not in present]
-        best = _best(record, best, [trial for trial in more if trial is not None])
+        further = _best(record, best, [trial for trial in more if trial is not None])
+        if further is best or further.fit.bic > best.fit.bic - needed:
+            break
+        best, first, needed = further, False, plain.residual.size * np.log(LEAST_FALL)
     return best
 
 
