@@ -30,6 +30,9 @@ LONGEST_FITTED, LONGEST_RUBBED, LONGEST_BLIND, MOST_MASSES = 4000, 3000, 1500, 3
 ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 WITHIN_REACH = 0.5
+# Where no force was found, loss per sample by which what one kind promises may be above it: steps of a fit gain more
+# than that only rarely, and each kind takes seconds.
+PROMISED_REACH = 1.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 
@@ -48,7 +51,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     best: StructureFit | None = None
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
     for start in _starts(record, plain, bent):
-        for order, kind in _kinds(record, start, bent):
+        for order, kind in _kinds(record, start, bent, highest):
             longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
                 continue
@@ -187,8 +190,11 @@ def _joined(fit: StructureFit, theta: complex) -> StructureFit:
     )
 
 
-def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[int, ForceKind]]:
-    """Return the orders of the channels and kinds of force worth trying: those found, or those that promise most."""
+def _kinds(record: Record, plain: DrivenFit, bent: Bent | None, highest: float) -> list[tuple[int, ForceKind]]:
+    """Return the orders of the channels and kinds of force worth trying: those found, or those that promise most.
+
+    None where none is found and what they promise is far above the highest BIC.
+    """
     if bent is not None:
         worths = dict.fromkeys((force.kind for force in bent.forces), 0.0)
         for force, worth in zip(bent.forces, bent.fit.worths, strict=True):
@@ -207,7 +213,8 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[in
         for kind in COMMON
         if (trial := added(record, replace(none, order=order), kind, motions)) is not None
     ]
-    best = sorted((trial for trial in trials if trial.fit.promised < plain.bic), key=lambda trial: trial.fit.promised)
+    most = min(plain.bic, highest + PROMISED_REACH * record.values.size)
+    best = sorted((trial for trial in trials if trial.fit.promised < most), key=lambda trial: trial.fit.promised)
     kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS_TRIED]
     # Friction that stops masses soon promises little beside the poles of a linear fit.
     if best and stops_soon(record, plain):
