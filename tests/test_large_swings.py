@@ -40,7 +40,7 @@ def test_a_pendulum_has_one_mode_whose_frequency_falls_with_its_swing(tmp_path: 
     found = analyse(written(tmp_path / "swing.csv", 1.6))
     assert len(found.modes) == 1
     assert DecayDoubt.LATER in {doubt.code for doubt in found.used[0].doubts}
-    assert found.verdict.level.label == "doubtful"
+    assert found.verdict.level.label == "care"
     (mode,) = found.identification.amplitude_dependence
     exact = WN * np.pi / (2 * ellipk(np.sin(mode.amplitude / 2) ** 2))
     # A cubic spring is not quite the sine: half a percent, less than the frequency changes. Below 0.1 rad noise counts.
@@ -61,3 +61,34 @@ def test_noise_that_fades_is_no_decay(seed: int) -> None:
 def test_a_swing_that_keeps_its_size_does_not_fall() -> None:
     steady = np.sin(WN * np.arange(3000) / RATE)[None]
     assert falling(Signal(start=0.0, step=1 / RATE, values=steady, channels=("angle",))) is None
+
+
+@pytest.mark.parametrize("amplitude", [0.6, 1.0])
+def test_friction_drag_and_large_swings_together_are_one_mode(tmp_path: Path, amplitude: float) -> None:
+    """Three forces that are not linear at once, as pendulums on encoders have them; exact by its turning points."""
+    from scipy.integrate import solve_ivp
+
+    friction, drag = 0.02, 0.015
+
+    def slope(_: float, state: np.ndarray) -> list[float]:
+        x, v = state
+        return [v, -(WN**2) * math.sin(x) - 2 * DAMPING * v - drag * abs(v) * v - friction * math.tanh(v / 1e-4)]
+
+    time = np.arange(40 * RATE) / RATE
+    swing = solve_ivp(slope, (0.0, time[-1]), [amplitude, 0.0], t_eval=time, rtol=1e-9, atol=1e-10, method="LSODA").y[0]
+    steps = np.round(swing / 0.0015) * 0.0015
+    path = tmp_path / "encoder.csv"
+    rows = [f"{t:.3f},{angle:.5f}" for t, angle in zip(time, steps, strict=True)]
+    path.write_text("\n".join(["time [s],angle [rad]", *rows]) + "\n")
+    found = analyse(path)
+    assert len(found.modes) == 1
+    assert found.verdict.level.label == "care"
+    (mode,) = found.identification.amplitude_dependence
+    exact = WN * np.pi / (2 * ellipk(np.sin(mode.amplitude / 2) ** 2))
+    large = mode.amplitude > 0.1
+    assert np.sum(large) > 3
+    np.testing.assert_allclose(mode.wn[large], exact[large], rtol=0.002)
+    # Decay rates of the work over a cycle: of a damper, of drag and of friction.
+    size = mode.amplitude[large]
+    lost = DAMPING + 4 / (3 * np.pi) * drag * size * exact[large] + 2 * friction / (np.pi * size * exact[large])
+    np.testing.assert_allclose(mode.zeta[large] * mode.wn[large], lost, rtol=0.06)
