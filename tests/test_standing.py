@@ -105,3 +105,12 @@ def test_the_worth_of_a_force_is_the_fall_of_the_loss_that_it_brings() -> None:
             )
         )
         assert worths_of(fit)[j] == pytest.approx(fewer.loss - fit.loss, rel=0.1)
+
+
+def test_a_motion_that_runs_away_has_no_covariance(capfd: pytest.CaptureFixture[str]) -> None:
+    """LAPACK wrote a line on standard output before."""
+    fit = structure([-0.01 + 0.3j], [1.0])
+    away = replace(fit, nearby=replace(fit.nearby, apart=np.full_like(fit.nearby.apart, np.inf)))
+    with pytest.raises(np.linalg.LinAlgError, match="runs away"):
+        worths_of(away)
+    assert capfd.readouterr().out == ""

@@ -113,8 +113,10 @@ class StructureFit:
 
     @cached_property
     def covariance(self) -> RealArray:
-        """Covariance of the parameters, (parameter, parameter)."""
+        """Covariance of the parameters, (parameter, parameter). A motion that runs away has none: `LinAlgError`."""
         slopes = self.nearby.slopes(self)
+        if not np.all(np.isfinite(slopes)):
+            raise np.linalg.LinAlgError("the motion runs away within a step of a derivative")
         scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
         unit = slopes * scale[:, None]
         inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-12, hermitian=True)
