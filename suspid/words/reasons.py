@@ -12,6 +12,7 @@ class Reason(Code):
     DRIFT = "drift", "drift: it decays more slowly than the record lasts"
     GROWING = "growing", "it grows"
     LINE = "line", "part of a steady line: rotating parts of varying speed"
+    COMB = "comb", "it hardly decays, at a multiple of the frequency that the steady tones share: it is driven"
     PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
     UNSURE = "unsure", "its decay is not significant against the residual near it"
     UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"

@@ -1,0 +1,76 @@
+"""Combs: steady tones at multiples of one frequency, as engines and shakers make them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.identification.ongoing import STEADY
+from suspid.identification.selection import Selection
+from suspid.units import RealArray
+from suspid.words import Reason
+
+# Tones that share a frequency are at its multiples to within this share of the resolution of the record, 2 pi over its
+# duration. A larger share takes tones apart for a comb.
+OFF_TOOTH = 0.25
+# Tones that a comb has at least, the share of all steady tones that are its teeth, and the largest part of all
+# frequencies that are near a tooth: fewer tones, and more near teeth, are a comb by chance.
+FEWEST_TEETH, MOST_OF_THEM, NEAR_TEETH = 4, 0.7, 0.05
+# The lowest tone, and the smallest way between two, are at most this multiple of the shared frequency: engines have
+# half orders, and their lowest ones may be missing.
+HIGHEST_FIRST = 4
+# What falls by less than this many nepers within the record, at a tooth, is driven: what drives it changes by as much.
+# A smaller number takes lines of drifting size for modes.
+LASTING = 3.0
+
+
+def without_comb(selection: Selection) -> Selection:
+    """Return the poles of a record, of which those that hardly decay, at the teeth of a comb of tones, are no modes.
+
+    What drives a line of a comb may wane within a record. It stays in the fit.
+    """
+    poles, count = selection.fit.poles.pairs, selection.fit.count
+    reasons = list(selection.reasons)
+    steady = np.array([reason in STEADY for reason in reasons[: len(poles)]], bool)
+    reach = OFF_TOOTH * 2 * np.pi / count
+    shared = shared_frequency(poles.imag[steady], reach)
+    if shared is None:
+        return selection
+    driven = (_off(poles.imag, shared) < reach) & (-poles.real * count < LASTING)
+    for k in np.flatnonzero(driven).tolist():
+        reasons[k] = reasons[k] or Reason.COMB
+    return replace(selection, reasons=tuple(reasons))
+
+
+def shared_frequency(tones: RealArray, reach: float) -> float | None:
+    """Return the largest frequency of which tones are multiples, None if there is none.
+
+    Examples
+    --------
+    A shaker at multiples of 10 Hz, with two that are not; four tones that share nothing:
+
+    >>> shared_frequency(np.array([100.0, 120.0, 150.0, 199.99, 250.0, 320.01, 333.0]), 0.02)
+    10.0
+    >>> shared_frequency(np.array([101.0, 123.3, 157.9, 211.1]), 0.02)
+    """
+    if len(tones) < FEWEST_TEETH:
+        return None
+    tones = np.sort(tones)
+    firsts = np.concatenate([tones[:2], np.diff(tones)])
+    tried = np.unique(np.ravel([firsts / n for n in range(1, HIGHEST_FIRST + 1)]))
+    for start in tried[2 * reach < NEAR_TEETH * tried][::-1].tolist():
+        teeth = _off(tones, start) < 2 * reach
+        numbers = np.round(tones[teeth] / start)
+        if np.sum(teeth) < FEWEST_TEETH:
+            continue
+        nearest = float(numbers @ tones[teeth] / (numbers @ numbers))
+        held = int(np.sum(_off(tones, nearest) < reach))
+        if held >= FEWEST_TEETH and held > MOST_OF_THEM * len(tones):
+            return round(nearest, 9)
+    return None
+
+
+def _off(frequencies: RealArray, shared: float) -> RealArray:
+    """Return how far each frequency is from a multiple of another, or from it."""
+    return np.asarray(np.abs(frequencies - shared * np.maximum(np.round(frequencies / shared), 1)))

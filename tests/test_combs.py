@@ -1,0 +1,48 @@
+"""Lines of a comb that wane within a record are driven; modes beside them, and at its teeth, stay modes."""
+
+import numpy as np
+import pytest
+
+from suspid import identify
+from suspid.identification.combs import shared_frequency
+from suspid.records import as_response
+from suspid.words import Reason
+
+TIME = np.arange(4000) / 1000
+TEETH = {3: 1.0, 5: 0.8, 6: 0.5, 8: 0.6, 12: 0.4}
+
+
+def comb(seed: int, base: float = 10.3) -> np.ndarray:
+    """Return steady tones at multiples of a frequency, and one that falls by a third, in two channels with noise."""
+    rng = np.random.default_rng(seed)
+    phases = rng.uniform(0, 2 * np.pi, (2, 20))
+    out = 0.01 * rng.standard_normal((2, TIME.size))
+    for tooth, size in TEETH.items():
+        out += size * np.cos(2 * np.pi * base * tooth * TIME + phases[:, [tooth]])
+    return out + 0.7 * np.exp(-0.1 * TIME) * np.cos(2 * np.pi * 15 * base * TIME + phases[:, [15]])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_line_that_wanes_is_no_mode(seed: int) -> None:
+    found = identify(as_response(TIME, comb(seed), ["force", "body"]))
+    assert len(found.modes) == 0
+    assert Reason.COMB in {one.remark.code for one in found.considered}
+
+
+@pytest.mark.parametrize("hertz", [23.0, 72.1])
+def test_a_mode_beside_them_or_at_a_tooth_is_one(hertz: float) -> None:
+    """72.1 Hz is the seventh tooth; the mode decays there as nothing driven does."""
+    mode = np.array([[1.0], [-0.6]]) * np.exp(-0.02 * 2 * np.pi * hertz * TIME) * np.sin(2 * np.pi * hertz * TIME)
+    found = identify(as_response(TIME, comb(1) + mode, ["force", "body"]))
+    assert found.modes.wn / (2 * np.pi) == pytest.approx([hertz], rel=1e-3)
+    assert found.modes.zeta == pytest.approx([0.02], rel=0.1)
+
+
+def test_three_tones_are_no_comb() -> None:
+    assert shared_frequency(np.array([10.0, 20.0, 30.0]), 0.01) is None
+    assert shared_frequency(np.array([10.0, 20.0, 30.0, 50.0]), 0.01) == pytest.approx(10.0)
+
+
+def test_what_is_near_a_tooth_by_chance_is_no_comb() -> None:
+    """Of a short record every frequency is near a multiple."""
+    assert shared_frequency(np.array([10.0, 20.0, 30.0, 50.0]), 1.0) is None
