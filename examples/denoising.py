@@ -25,11 +25,11 @@ exact = eigenmodes(car)
 clean = free_decay(car, np.arange(0, 20, 0.005), initial_state={"v_tire": 1.0, "v_chassis": 1.0})
 rng = np.random.default_rng(1)
 
-print("zeta less its exact value, in percent of it (mean and scatter of 10 records of 20 dB), and noise left")
+print("zeta less its exact value, in percent of it (mean and scatter of 5 records of 20 dB), and noise left")
 print("  record      mode 1          mode 2      noise std")
 errors: dict[str, list[np.ndarray]] = {"raw": [], "denoised": []}
 left: dict[str, list[float]] = {"raw": [], "denoised": []}
-for _ in range(10):
+for _ in range(5):
     raw = add_noise(clean, snr_db=20.0, rng=rng)
     # The same record twice: the only difference is the denoising.
     for name, record in (("raw", raw), ("denoised", denoise(raw))):

@@ -66,7 +66,9 @@ class TestNothingDecays:
         assert [remark.code for remark in decays.remarks] == [DecayRemark.NO_EVENT]
         assert decays.verdict.level is Level.NONE
 
-    @pytest.mark.parametrize("seed", range(3))
+    @pytest.mark.parametrize(
+        "seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)]
+    )
     def test_a_random_walk_and_its_rate_through_a_resonance(self, seed: int) -> None:
         from scipy.signal import lfilter
 
