@@ -75,7 +75,8 @@ def size_of(kind: ForceKind, d: RealArray, v: RealArray) -> RealArray:
     if kind is ForceKind.BENT_DAMPER:
         return np.asarray(np.abs(v))
     if kind is ForceKind.CUBIC:
-        return np.asarray(d**3)
+        # A power takes five times as long.
+        return np.asarray(d * d * d)
     return np.asarray(d**2 if kind is ForceKind.SQUARE else np.abs(d))
 
 
