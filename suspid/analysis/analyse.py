@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
+from suspid.analysis.fewer_channels import with_fewer_channels
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
@@ -112,7 +113,10 @@ def analyse(
         begin(STEPS[0])
         opened = _read(source, car, settings)
         begin(STEPS[1])
-        stretch = stretch_of(held(opened.cleaned, "record"), settings)
+        record = held(opened.cleaned, "record")
+        stretch = stretch_of(record, settings)
+        if car is None:
+            stretch = with_fewer_channels(record, stretch, settings, stretch_of)
         begin(STEPS[2])
         identification, repeats = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]

@@ -162,6 +162,8 @@ class Analysis(Result):
             found = verdict_of(self.identification, level)
         several = [note for note in self.notes if note.code is Note.ONE_OF_TESTS]
         failed = [Check(Remark(RecordCheck.ONE_OF_TESTS, note.numbers), Level.CARE) for note in several]
+        fewer = [note for note in self.notes if note.code is Note.FEWER_CHANNELS]
+        failed += [Check(Remark(RecordCheck.FEWER_CHANNELS, note.numbers), Level.CARE) for note in fewer]
         unsettled = () if self.estimate is not None else self.notes
         failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
         if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):

@@ -21,6 +21,9 @@ WIDE_HOLE, HOLLOW = 2.5, 0.2
 # Fewest packets that show a rate, and the longest wait for one over the time of the record. Rows that were lost in a
 # longer one do not show.
 FEW_PACKETS, LONGEST_WAIT = 20, 0.1
+# A logger's clock may wander against that of the stamps by this share of its rate, from one part of the record to the
+# next: frequencies are off by no more. Slower parts follow rounding, longer ones miss what wanders.
+WANDER, WANDER_PARTS = 2e-3, 20
 
 
 def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
@@ -46,13 +49,26 @@ def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hert
     if worst > JITTER * step:
         if rate is not None and worst <= min(within, OFF * step):
             kind, numbers = Defect.ROUNDED_STAMPS, stated(worst, rate)
-        elif worst <= step and np.mean(np.abs(off) > OFF * step) <= FEW:
+        elif (worst <= step and np.mean(np.abs(off) > OFF * step) <= FEW) or (rate is None and _wanders(off, step)):
             kind, numbers = late_or_irregular(values, places, step, off)
         else:
             kind, numbers = Defect.IRREGULAR_STAMPS, {"largest": worst / step}
     if kind is Defect.IRREGULAR_STAMPS:
         return _irregular(times, rows, rate, numbers)
     return on_grid(start, step, places, rows, times, kind, numbers)
+
+
+def _wanders(off: RealArray, step: Second) -> bool:
+    """Return whether stamps stray from a grid slowly, and from that way by no more than rounding and jitter do."""
+    from scipy.ndimage import uniform_filter1d
+
+    size = max(off.size // WANDER_PARTS, 2)
+    slow = np.asarray(uniform_filter1d(off, size, mode="nearest"))
+    rest = np.abs(off - slow)
+    changes = np.abs(slow[size:] - slow[:-size]) / size
+    return bool(
+        np.max(changes, initial=0.0) < WANDER * step and np.max(rest) <= step and np.mean(rest > OFF * step) <= FEW
+    )
 
 
 def dispersed(times: RealArray, values: RealArray, rows: Indices, places: Indices) -> Clock | None:

@@ -25,6 +25,14 @@ def _tests(n: Mapping[str, Number]) -> str:
     return f"file contains {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_LISTED])}{more}"
 
 
+def _channels(n: Mapping[str, Number]) -> str:
+    names = n["names"]
+    assert isinstance(names, tuple)
+    return f"{'channels' if len(names) > 1 else 'channel'} {in_a_row([repr(name) for name in names])} " + (
+        "are" if len(names) > 1 else "is"
+    )
+
+
 class Note(Code):
     """What was done with a recording, in the order in which it happened."""
 
@@ -74,6 +82,14 @@ class Note(Code):
         "channel {channel!r} is the computed integral of {source!r}, not a measurement; left out; name the channels "
         "to use it",
     )
+    FEWER_CHANNELS = (
+        "fewer channels",
+        sentence(
+            lambda n: (
+                f"{_channels(n)} left out: with all channels there is no clear result; name the channels to use them"
+            )
+        ),
+    )
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",
@@ -101,6 +117,15 @@ class RecordCheck(Code):
 
     DECAY = "decay", sentence(lambda n: f"{str(n['doubt'])[:1].upper()}{str(n['doubt'])[1:]}.")
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
+    FEWER_CHANNELS = (
+        "fewer channels",
+        sentence(
+            lambda n: (
+                f"{_channels(n)[:1].upper()}{_channels(n)[1:]} left out: with all channels there is no clear result. "
+                f"See whether they measure the motion of the same structure."
+            )
+        ),
+    )
     NO_SHARED_MODE = "no shared mode", "{tests} share no mode: they do not seem to be tests of one structure."
     SHARES_NO_MODE = (
         "shares no mode",

@@ -1,0 +1,111 @@
+"""Fewer channels of a record, where some of them make the result doubtful: a sensor that hardly moves, a mark."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.choice import doubts_of, tried
+from suspid.analysis.settings import Settings
+from suspid.analysis.used import Used
+from suspid.decays import DRIVEN
+from suspid.errors import SuspidError
+from suspid.identification import Identification
+from suspid.records import like
+from suspid.signals import as_signal
+from suspid.units import RealArray
+from suspid.words import Level, Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Where no mode was found, channels with less than this share of their energy outside half an octave about their peak
+# are tried alone, at most the second number: each takes the time of an analysis.
+STRAY, TRIED_ALONE = 0.1, 2
+
+
+def with_fewer_channels(
+    record: control.TimeResponseData,
+    used: Used,
+    settings: Settings,
+    stretch_of: Callable[[control.TimeResponseData, Settings], Used],
+) -> Used:
+    """Return the part of a record that is used of fewer channels, if that of all is doubtful or has no mode.
+
+    First those are left out of whose motion the fit leaves too much, then all but the one of which it leaves least;
+    where there is no mode, all but one that moves most at one frequency.
+    What is found then must be less doubtful. Where channels are named, all of those are used.
+    """
+    if settings.channels is not None or settings.decay != "auto" or settings.method != "likelihood":
+        return used
+    names = as_signal(used.record).channels
+    if len(names) < 2:
+        return used
+    found = used.identification or tried(used.record, settings)
+    used = replace(used, identification=found)
+    before = Level.NONE if found is None else _level(found, used)
+    if found is None or before > Level.DOUBTFUL:
+        return used
+    tries = _fewer(names, _left(found)) if len(found.modes) else _alone(names, _beside_peak(found))
+    for kept in tries:
+        try:
+            fewer = stretch_of(_of_channels(record, kept), settings)
+        except SuspidError:
+            continue
+        again = fewer.identification or tried(fewer.record, settings)
+        if again is not None and _level(again, fewer) > before:
+            out = tuple(name for name in names if name not in kept)
+            return replace(
+                fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
+            )
+    return used
+
+
+def _level(found: Identification, used: Used) -> Level:
+    """Return the level of the verdict on an identification and on the decay that it is of."""
+    if not len(found.modes):
+        return Level.NONE
+    doubts = doubts_of(used.used[0], found) if len(used.used) == 1 else ()
+    return min([found.verdict.level, *(doubt.level for doubt in doubts)])
+
+
+def _left(found: Identification) -> RealArray:
+    """Return the share of the motion of each channel that a fit leaves, root mean square, (channel,)."""
+    values, left = as_signal(found.response).values, as_signal(found.residual).values
+    motion = values - values.mean(axis=1, keepdims=True)
+    return np.asarray(np.sqrt(np.sum(left**2, axis=1) / np.maximum(np.sum(motion**2, axis=1), 1e-300)))
+
+
+def _beside_peak(found: Identification) -> RealArray:
+    """Return the share of the energy of each channel that lies outside half an octave about its peak, (channel,)."""
+    values = as_signal(found.response).values
+    window = np.hanning(values.shape[1])
+    power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
+    # What makes fewer cycles is drift.
+    power[:, :3] = 0.0
+    peaks, places = np.argmax(power, axis=1), np.arange(power.shape[1])
+    near = np.abs(np.log2(np.maximum(places, 1) / np.maximum(peaks, 1)[:, None])) < 0.5
+    return np.asarray(1 - np.sum(power * near, axis=1) / np.maximum(np.sum(power, axis=1), 1e-300))
+
+
+def _fewer(names: tuple[str, ...], left: RealArray) -> list[list[str]]:
+    """Return the sets of channels to try: those that a fit explains, and the one that it explains best."""
+    explained = [name for name, share in zip(names, left, strict=True) if share <= max(DRIVEN, float(np.min(left)))]
+    best = [names[int(np.argmin(left))]]
+    return [kept for kept in ([explained] if explained != best else []) + [best] if len(kept) < len(names)]
+
+
+def _alone(names: tuple[str, ...], strays: RealArray) -> list[list[str]]:
+    """Return single channels to try where no mode was found: those whose motion is most of one frequency."""
+    order = np.argsort(strays, kind="stable")[:TRIED_ALONE].tolist()
+    return [[names[k]] for k in order if strays[k] < STRAY]
+
+
+def _of_channels(record: control.TimeResponseData, kept: list[str]) -> control.TimeResponseData:
+    signal = as_signal(record)
+    rows = [signal.channels.index(name) for name in kept]
+    title = str(getattr(record, "title", None) or "")
+    return like(record, signal.timepts, signal.values[rows], kept, title=title)
