@@ -123,6 +123,10 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
         tries.append(replace(used, identification=found))
         if found is not None and settled(found) and not _doubtful(found):
             return tries[-1]
+    # What the fit leaves calls for care, as friction does; that is less than a doubt.
+    for used in tries[1:]:
+        if not _doubtful(used.identification) and not any(doubt.code in GRAVE for doubt in used.used[0].doubts):
+            return used
     shared = shared_modes([one.identification for one in tries])
     return tries[int(np.argmax(shared))] if max(shared) > shared[0] else best
 

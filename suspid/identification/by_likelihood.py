@@ -48,6 +48,9 @@ if TYPE_CHECKING:
 VAGUE = 0.05
 # The frequency of any mode is open if its interval is wider than this share of it to either side.
 LEFT_OPEN = 0.5
+# A mode under forces that is not determined, but has this share of the largest amplitude, is plain to see: the forces
+# are not the true ones then.
+PLAIN_SIZE = 0.1
 
 
 class Forces(Enum):
@@ -125,14 +128,15 @@ def _described(
     """Return the modes under forces, how loud the residual is near each, their amplitudes, and the other poles.
 
     Without a number of modes, one that grows over most of its amplitudes is none, nor one that is not determined; None
-    if no other is left.
+    if no other is left, or if one of those is plain to see.
     """
     modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
     if count is not None:
         return modes, loudness, dependence, ()
     grows = np.array([np.median(each.zeta) < 0 for each in dependence], bool)
-    none = grows | _undetermined(modes) | _vague(modes)
-    if none.all():
+    open_ones = _undetermined(modes) | _vague(modes)
+    none = grows | open_ones
+    if none.all() or np.any(_sizes(bent, modes, signal.step)[open_ones] > PLAIN_SIZE):
         return None
     reasons = [Reason.GROWING if each else Reason.UNKNOWN for each in grows[none]]
     others = [
@@ -141,6 +145,14 @@ def _described(
     ]
     kept = tuple(each for each, left_out in zip(dependence, none, strict=True) if not left_out)
     return modes[~none], frozen_real(loudness[~none]), kept, tuple(others)
+
+
+def _sizes(bent: Bent, modes: ModalSet, step: Second) -> RealArray:
+    """Return the first amplitude of each mode over the largest of all, in the channel where that is most, (mode,)."""
+    fit = bent.fit if bent.structure is None else bent.structure
+    sizes = np.abs(fit.amplitudes)
+    shares = np.max(sizes / np.maximum(np.max(sizes, axis=0), 1e-300), axis=1)
+    return np.array([shares[np.argmin(np.abs(fit.theta / step - pole))] for pole in modes.poles])
 
 
 def _check_count(modes: ModalSet, count: int | None) -> None:
