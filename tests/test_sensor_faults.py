@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from suspid import EstimationError, add_noise, estimate, half_car, quarter_car, road_profile, simulate
+from suspid import EstimationError, estimate, half_car, quarter_car
 from suspid.greybox.sensor_faults import AVERAGED, DEAD_SHARE, fault_of
 from suspid.records import as_response
 from suspid.units import ComplexArray
@@ -56,13 +57,12 @@ class TestEstimates:
         car = quarter_car(
             chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
         )
-        t, rng = np.arange(0, 10, 0.01), np.random.default_rng(2)
-        road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
-        made = add_noise(simulate(car, t, {"road": road}, outputs=["chassis_acceleration"]), snr_db=40.0, rng=rng)
-        both = np.array([np.ravel(made.outputs), 0.1 * rng.standard_normal(t.size)])
-        record = as_response(t, both, ["chassis_acceleration", "tire_acceleration"])
+        rows = np.random.default_rng(2).standard_normal((2, 1000))
+        body = lfilter([0.1], [1.0, -0.9], rows[0])
+        names = ["chassis_acceleration", "tire_acceleration"]
+        record = as_response(np.arange(1000) / 100, np.array([body, 0.1 * rows[1]]), names)
         with pytest.raises(EstimationError, match="have nothing in common") as told:
-            estimate(record, car, given=["tire"], mounts=(), delays=(), gains=())
+            estimate(record, car, given=["tire"])
         assert "reversed" not in str(told.value)
 
     def test_one_wheel_recorded_twice_is_said(self) -> None:

@@ -17,8 +17,8 @@ from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.nearly_rigid import toward_rigid
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.search import SAME_FIT, starts_of
-from suspid.greybox.settling import Point, from_held, released, settled
 from suspid.greybox.sensor_faults import sensor_fault
+from suspid.greybox.settling import Point, from_held, released, settled
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
 from suspid.greybox.whitened import Whitened

@@ -104,8 +104,8 @@ class EstimateCheck(Code):
     DEAD = (
         "dead",
         _listed(
-            "{names} follows no other channel: the sensor is dead, loose or not connected, or its samples are of another "
-            "drive. Check the sensor and its wiring."
+            "{names} follows no other channel: the sensor is dead, loose or not connected, or its samples are of "
+            "another drive. Check the sensor and its wiring."
         ),
     )
     APART = (
@@ -118,8 +118,8 @@ class EstimateCheck(Code):
     COPIED = (
         "copied",
         _listed(
-            "{names} show the same motion, up to a factor: one sensor is recorded twice, or both are at one place. Check "
-            "the wiring and the names of the channels."
+            "{names} show the same motion, up to a factor: one sensor is recorded twice, or both are at one place. "
+            "Check the wiring and the names of the channels."
         ),
     )
     EXCHANGED = (
