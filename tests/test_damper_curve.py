@@ -29,6 +29,7 @@ from suspid import (
     simulate,
 )  # fmt: skip
 from suspid.greybox.curve_fit import CurveFit, Linearised, Noise, Shape
+from suspid.greybox.curve_following import INDEPENDENT_LINES
 from suspid.greybox.curve_noise import Residual
 from suspid.greybox.curve_settling import too_loud
 from suspid.greybox.force_basis import bend_covariance, node_weights, placed_nodes, sign_between, smooth_weights
@@ -265,6 +266,16 @@ class TestResidual:
         """F of a hundred degrees of freedom in each of sixteen bands: its mean is one to a sixth or so."""
         for law in ("linear", "bilinear"):
             assert found(law).following == pytest.approx(1.0, abs=0.5)
+
+    def test_lines_and_stretches_that_are_not_independent(self) -> None:
+        """White noise under Hann windows that overlap by half: one over the sum of all squared correlations."""
+        window, at = np.hanning(2001), np.arange(2001)
+        total = 0.0
+        for shift in (0, 1000):
+            product = window[shift:] * window[: 2001 - shift]
+            lines = [np.sum(product * np.exp(2j * np.pi * k * at[: len(product)] / 2001)) for k in range(-9, 10)]
+            total += (1 if shift == 0 else 2) * np.sum(np.abs(np.array(lines) / np.sum(window**2)) ** 2)
+        assert pytest.approx(1 / total, rel=2e-3) == INDEPENDENT_LINES
 
     @pytest.mark.parametrize(("wheel", "delay"), [(1.2, 0.0), (1.0, 0.002), (1.0, -0.002)])
     def test_wrong_sensors_are(self, wheel: float, delay: float) -> None:

@@ -55,14 +55,14 @@ def of_both_readings(
     covariance holds the difference of both, and that residual is judged which follows the motion more.
     """
     drawn = drawn_noises(motions, fit, shape, noise)
-    left, follows = residual_of(motions, fit, drawn), following_of(motions, fit, drawn)
+    left, follows = residual_of(motions, fit, drawn), following_of(motions, shape, fit, drawn)
     if likely(*misfit_of(left)):
         return fit, noise, left, follows
     force = np.sqrt(np.mean(np.concatenate([part.force_residual for part in fit.records]) ** 2))
     quiet = replace(noise, force=float(force), motion=min(QUIET, noise.motion))
     try:
         other = fitted_curve(motions, shape, fit.theta, fit.splines, quiet)
-        there = following_of(motions, other, drawn_noises(motions, other, shape, quiet))
+        there = following_of(motions, shape, other, drawn_noises(motions, other, shape, quiet))
     except (np.linalg.LinAlgError, ValueError):  # one reading alone does not explain the record
         return _beside_a_force(motions, shape, fit, noise), noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)

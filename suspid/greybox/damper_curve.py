@@ -222,6 +222,7 @@ def _result(
         freedom=freedom,
         following=float("nan") if follows is None else follows.statistic,
         explains=likely(chi_square, freedom) if follows is None else not (follows or follows.pushed),
+        followed=float("nan") if follows is None else follows.share,
         verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
     )
     checks = checks_of(made, fit, noise, follows=bool(follows))
