@@ -72,6 +72,8 @@ def of_both_readings(
         return instead, noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)
     worse = min(follows, there, key=lambda one: one.p_value)
+    if beside is not None and beside[1].p_value < worse.p_value:
+        worse = replace(beside[1], share=worse.share)
     worse = replace(worse, pushed=too_loud(motions, fit, noise, left))
     if worse.pushed:
         return instead, noise, left, worse

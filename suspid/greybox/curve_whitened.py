@@ -37,17 +37,17 @@ HARDLY_LOWERED, ALIKE_LINES = 1.5, 3
 AT_ENDS: Second = 1.0 / LOWEST
 # Least length in which a spectrum is known, in those that are predicted from.
 LEAST_MEMORIES = 15
-# Delay between force and motion that noise of the motion may look like: a twentieth of a millisecond makes the stiffness
-# of a car wrong by half a percent.
+# Delay between force and motion that noise of the motion may look like: a twentieth of a millisecond makes the
+# stiffness of a car wrong by half a percent.
 UNSEEN_DELAY: Second = 5e-5
 
 
 def whitened_fit(
     motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise
 ) -> tuple[CurveFit, Following] | None:
-    """Return the fit with the curve that leaves the least that cannot be predicted, and whether that follows the motion.
+    """Return the fit with the curve that leaves the least that cannot be predicted, and whether that follows; or None.
 
-    None where records are short.
+    There is none where records are short.
     """
     step = motions[0].step
     memory = round(MEMORY / step)
@@ -109,7 +109,6 @@ def _followed(
     extra = np.concatenate([one[use] for one, use in zip(more, whole, strict=True)])
     extra = extra - columns @ np.linalg.lstsq(columns, extra)[0]
     scores = (extra * left[:, None]).reshape(-1, block, extra.shape[1]).sum(axis=1)
-    freedom = max(len(scores) - len(theta), 1)
     std = np.sqrt(len(scores) * np.var(scores, axis=0, ddof=1))
     ratios = np.sum(scores, axis=0) / std
     # The last one is a delay, in steps; noise of the motion looks like a small one.
@@ -117,7 +116,7 @@ def _followed(
     beyond = np.append(np.abs(ratios[:-1]), max(abs(float(ratios[-1])) - allowed, 0.0))
     return Following(
         statistic=float(np.mean(ratios[:-1] ** 2)),
-        p_value=min(1.0, len(beyond) * 2 * float(t.sf(np.max(beyond), freedom))),
+        p_value=min(1.0, len(beyond) * 2 * float(t.sf(np.max(beyond), len(scores) - 1))),
         share=float("nan"),
     )
 

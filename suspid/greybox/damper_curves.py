@@ -52,8 +52,8 @@ class DamperCurve(Result):
         How much the residual follows the motion of the strut: F, about 1 where it does not; NaN where travel was
         measured.
     explains : bool
-        Whether the residual is noise, or other forces on the body: it does not follow the motion, and is not too
-        loud where such forces move the strut. With a sensor of travel: whether chi-square is not improbably large.
+        Whether the residual is noise, or other forces on the body: it, or what cannot be predicted of it, does not
+        follow the motion. With a sensor of travel: whether chi-square is not improbably large.
     verdict : Verdict
         How far the result can be trusted, and why.
     followed : float
