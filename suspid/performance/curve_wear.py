@@ -14,7 +14,7 @@ from suspid.units import MetrePerSecond
 from suspid.words import Check, DamperState, Level, Number, Remark, WearCheck
 
 # Largest share of the force by which a residual may follow the motion, over the scatter of dampers from drive to drive.
-LITTLE = 1 / 3
+MOST_FOLLOWED = 1 / 3
 # Error of the stiffness over that share, and of the damping over it at most: where a sensor is 0.25 to 1 ms late, the
 # stiffness is off by 1.5 to 2.3 times the share, the damping by half of it.
 SPRING_TIMES = 2.0
@@ -32,7 +32,7 @@ def curve_named(curves: Sequence[DamperCurve], damper: str, rule: WearRule) -> D
     that is seen long before it matters beside what dampers differ by from drive to drive.
     """
     named = [one for one in curves if one.name == damper and one.equivalent_damping() > 0]
-    return next((one for one in named if one.explains or one.followed <= LITTLE * rule.damper_std), None)
+    return next((one for one in named if one.explains or one.followed <= MOST_FOLLOWED * rule.damper_std), None)
 
 
 def wear_by_curve(
