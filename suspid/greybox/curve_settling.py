@@ -60,8 +60,8 @@ def of_both_readings(
     if likely(*misfit_of(left)):
         return fit, noise, left, follows
     beside = _beside_a_force(motions, shape, fit, noise)
-    if beside is not None and not beside[1]:
-        return beside[0], noise, left, beside[1]
+    if beside is not None and not beside[2]:
+        return beside[0], beside[1], left, beside[2]
     instead = fit if beside is None else beside[0]
     force = np.sqrt(np.mean(np.concatenate([part.force_residual for part in fit.records]) ** 2))
     quiet = replace(noise, force=float(force), motion=min(QUIET, noise.motion))
@@ -72,8 +72,8 @@ def of_both_readings(
         return instead, noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)
     worse = min(follows, there, key=lambda one: one.p_value)
-    if beside is not None and beside[1].p_value < worse.p_value:
-        worse = replace(beside[1], share=worse.share)
+    if beside is not None and beside[2].p_value < worse.p_value:
+        worse = replace(beside[2], share=worse.share)
     worse = replace(worse, pushed=too_loud(motions, fit, noise, left))
     if worse.pushed:
         return instead, noise, left, worse
@@ -82,8 +82,8 @@ def of_both_readings(
 
 def _beside_a_force(
     motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise
-) -> tuple[CurveFit, Following] | None:
-    """Return the fit with the curve beside a force on the body of any spectrum, and its test; None if not found."""
+) -> tuple[CurveFit, Noise, Following] | None:
+    """Return the fit with the curve beside a force of any spectrum, its noise and its test; None if not found."""
     try:
         return whitened_fit(motions, shape, fit, noise)
     except (np.linalg.LinAlgError, ValueError):

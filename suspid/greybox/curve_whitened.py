@@ -44,10 +44,10 @@ UNSEEN_DELAY: Second = 5e-5
 
 def whitened_fit(
     motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise
-) -> tuple[CurveFit, Following] | None:
-    """Return the fit with the curve that leaves the least that cannot be predicted, and whether that follows; or None.
+) -> tuple[CurveFit, Noise, Following] | None:
+    """Return the fit that leaves the least that cannot be predicted, the noise, and whether what is left follows.
 
-    There is none where records are short.
+    None where records are short.
     """
     step = motions[0].step
     memory = round(MEMORY / step)
@@ -72,12 +72,20 @@ def whitened_fit(
         scores.append(own[: blocks * block].reshape(blocks, block, -1).sum(axis=1))
     every, inverse = np.concatenate(scores), np.linalg.inv(normal)
     spread = len(every) / max(len(every) - len(theta), 1)
-    made = replace(fit, theta=theta, covariance=inverse @ (every.T @ every) @ inverse * spread)
+    # Whether the fit before has settled does not matter: this one does not begin with its motion.
+    made = replace(
+        fit,
+        theta=theta,
+        covariance=inverse @ (every.T @ every) @ inverse * spread,
+        steps=WHITENING_ROUNDS,
+        settled=True,
+    )
+    error = max(_velocity_error(motion, step, len(one.force)) for one in long)
     more = [
         _behind(_missing(one, columns[:, 1:] @ theta[1:], step), predictor)
         for one, (columns, _) in zip(long, sides, strict=True)
     ]
-    return made, _followed(parts, more, theta, block, step)
+    return made, replace(noise, motion=motion, velocity=error), _followed(parts, more, theta, block, step)
 
 
 def _missing(motion: StrutMotion, damper: RealArray, step: Second) -> RealArray:
