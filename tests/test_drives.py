@@ -16,6 +16,7 @@ from suspid.signals import as_signal
 from suspid.text_tables import TERMINAL
 from suspid.units import RealArray
 from suspid.wording import called
+from suspid.words import Level
 from suspid.words.drives import DriveReason, DriveRemark
 
 RATE = 100.0
@@ -453,6 +454,30 @@ class TestVibration:
         assert "Nothing says what 'p', 'q' measure:" in str(find_drives(ride(*unknown)))
         assert "Nothing says what 'p' measures: " in str(find_drives(ride(unknown[0])))
         assert DriveRemark.NO_UNIT not in {check.remark.code for check in find_drives(ride(*unknown, speed)).remarks}
+
+    @pytest.mark.parametrize(
+        ("name", "unit", "words"),
+        [
+            ("body_acceleration", "counts", "states the unit 'counts', which is not known: the samples were taken as"),
+            ("chassis_acceleration", "mm", "states a unit of mm, which is none of m/s2"),
+            ("body_acceleration", "mV", "states a unit of mV, which is none of m/s2"),
+            ("body_acceleration", "g", ""),
+            ("body_acceleration", "-", ""),
+            ("body_travel", "mm", ""),
+        ],
+    )
+    def test_a_unit_that_is_not_one_of_the_motion_is_said(self, name: str, unit: str, words: str) -> None:
+        """Samples in a unit that is not known are taken as SI; the remark says it, and how to state the unit."""
+        moving = body(rms=30.0) if unit in ("mm", "mV") else body()
+        car = quarter_car(
+            chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
+        )
+        of_car = car if name.startswith("chassis") else None
+        speed = channel("speed", constant(15.0), "m/s")
+        said = find_drives(ride(channel(name, moving, unit), speed), car=of_car).remarks
+        found = [one for one in said if one.remark.code is DriveRemark.UNKNOWN_UNIT]
+        assert bool(found) == bool(words)
+        assert all(words in str(one) and one.level is Level.CARE for one in found)
 
     @pytest.mark.parametrize("speed", [4.0, 25.0])
     def test_a_roller_bench_is_no_road(self, speed: float) -> None:

@@ -9,7 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import DamperCurve, DamperState, Estimate, InputError, RawChannel, Recording, analyse_drive, wear
+from suspid import (
+    DamperCurve,
+    DamperState,
+    DamperWear,
+    Estimate,
+    InputError,
+    RawChannel,
+    Recording,
+    analyse_drive,
+    wear,
+)  # fmt: skip
 from suspid.analysis import DriveAnalysis
 from suspid.performance.curve_wear import rates_at
 from suspid.reporting import drive_to_dict, read_curves
@@ -92,6 +102,26 @@ class TestCurvesCompared:
         without = wear(doubtful, before=doubtful)
         assert without.verdict.level is Level.DOUBTFUL
         assert without.states["chassis"] is DamperState.CANNOT_TELL
+
+    def test_a_residual_that_follows_little_widens_the_interval(self, drive: DriveAnalysis) -> None:
+        """What is missing in a curve counts as an error of its damping; more than a third of the scatter is refused."""
+        estimate, curve = parts(drive)
+
+        def told(followed: float) -> DamperWear:
+            now = replace(left(curve, 0.7), explains=False, followed=followed)
+            (one,) = wear(estimate, before=estimate, curves=[now], curves_before=[[curve]]).dampers
+            return one
+
+        said = {share: {check.remark.code for check in told(share).checks} for share in (0.005, 0.02)}
+        assert told(0.005).state is DamperState.WORN
+        assert said[0.005] >= {WearCheck.FOLLOWS_LITTLE, WearCheck.BY_CURVE}
+        assert WearCheck.BY_CURVE not in said[0.02]
+        widths = [told(share).loss.high - told(share).loss.low for share in (0.0, 0.005, 0.01)]
+        assert widths == sorted(widths)
+        assert widths[2] > widths[0]
+        own, wider = rates_at(curve, 0.2), rates_at(replace(curve, explains=False, followed=0.01), 0.2)
+        added = wider.covariance - own.covariance
+        assert np.sqrt(added[0, 0]) == pytest.approx(0.01 * own.damping, rel=1e-6)
 
     def test_without_an_earlier_curve_it_is_said_why(self, drive: DriveAnalysis) -> None:
         assert drive.wear is not None

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import resample_poly
+from scipy.signal import butter, resample_poly, sosfiltfilt
 
 from suspid import DamperCurve, Suspension, SuspidError, damper_curve, quarter_car, read_record
 from suspid.levels import NORMAL_95
@@ -88,7 +88,29 @@ def engine(t: RealArray, seed: int) -> RealArray:
     return np.asarray(np.sum(parts, axis=0))
 
 
-PUSHES: dict[str, Push | None] = {"": None, "engine": engine}
+def engine_of_varying_speed(t: RealArray, seed: int) -> RealArray:
+    """Return the same of an engine whose speed swings by a fifth in 13 s."""
+    *phases, start = np.random.default_rng([24, seed]).uniform(0, 2 * np.pi, 4)
+    angle = 2 * np.pi * np.cumsum(25.0 * (1 + 0.2 * np.sin(2 * np.pi * t / 13 + start))) * (t[1] - t[0])
+    parts = [30.0 / 2**k * np.sin((k + 1) * angle + phase) for k, phase in enumerate(phases)]
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def slow(t: RealArray, seed: int) -> RealArray:
+    """Return a random force on the body from 1 to 3 Hz, of 30 N root mean square."""
+    step = 0.01
+    coarse = np.arange(t[0], t[-1] + step, step)
+    noise = np.random.default_rng([23, seed]).standard_normal(len(coarse))
+    made = sosfiltfilt(butter(4, [1.0, 3.0], "bandpass", fs=1 / step, output="sos"), noise)
+    return np.asarray(np.interp(t, coarse, 30.0 * made / np.std(made)))
+
+
+PUSHES: dict[str, Push | None] = {
+    "": None,
+    "engine": engine,
+    "engine of varying speed": engine_of_varying_speed,
+    "force at 1-3 Hz": slow,
+}
 
 
 def drives(
@@ -219,7 +241,13 @@ def rows() -> list[Row]:
         for law, friction in (("linear", 0.0), ("bilinear", 30.0), ("digressive", 30.0), ("digressive", 60.0))
         for road in "BC"
     ]
-    pushed = [Row(law="bilinear", friction=30.0, road=road, push="engine") for road in "BC"]
+    pushed = [
+        Row(law=law, friction=friction, road=road, push=push)
+        for push in ("force at 1-3 Hz", "engine", "engine of varying speed")
+        for law, friction in (("linear", 0.0), ("bilinear", 30.0))
+        for road in "BC"
+        if law == "bilinear" or road == "B"
+    ]
     return [*made, *by_travel, *pushed]
 
 
@@ -282,7 +310,8 @@ Quarter car (350 and 50 kg, 22 kN/m, 210 kN/m), 20 m/s, 60 s at 200 Hz, accelero
 (wheel) of noise, or the travel with 0.02 mm instead of the wheel. Records are text files of a simulator of its
 own (`validation/dampers.py`). Dampers: 1300 N s/m; 650 in compression and 1950 in rebound; the same kind with a third
 of the rate or less beyond 0.1 m/s (digressive); some with 30 or 60 N of friction. The nominal car is 30 % off. An
-engine pushes the body with 30 N at 25 Hz, 15 N at 50 Hz and 7.5 N at 75 Hz.
+engine pushes the body with 30 N at 25 Hz, 15 N at 50 Hz and 7.5 N at 75 Hz; where its speed varies, by a fifth in 13 s.
+A force at 1-3 Hz is random, of 30 N root mean square.
 
 RMSE of nodes is over all nodes and runs; 'over limit' is the root mean square of the error over 2 % of the force or
 5 N, whichever is larger, of the worst node. Coverage is the share of 95 % intervals that hold, of all nodes and of the

@@ -85,7 +85,8 @@ def _made(channel: RawChannel, called: Mapping[str, str], scale: Mapping[str, fl
     try:
         factor, unit = to_si(1.0, own_unit(channel))
     except InputError:
-        factor, unit = np.asarray(1.0), channel.unit
+        # A factor of its own makes SI of what is in a unit that is not known.
+        factor, unit = np.asarray(1.0), "" if channel.name in scale else own_unit(channel)
     by = float(factor) * scale.get(channel.name, 1.0)
     values = channel.values if by == 1.0 else unmarked(channel) * by
     return replace(channel, name=called[channel.name], unit=unit, values=values)

@@ -11,14 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.greybox.curve_fit import CurveFit
+from suspid.greybox.curve_fit import CurveFit, Shape
 from suspid.greybox.curve_noise import PROBES, SPECTRUM_BANDS, Drawn, lines_of
 from suspid.greybox.latent_splines import at_samples
 from suspid.greybox.strut_motion import StrutMotion
-from suspid.units import ComplexArray, Flags, RealArray
+from suspid.units import ComplexArray, Flags, Ratio, RealArray
 
-# Neighbouring lines of a Hann window, and stretches that overlap by half, are not independent: this share of them is.
-INDEPENDENT_LINES = 0.8 / 1.5
+# Neighbouring lines of a Hann window, and stretches that overlap by half, are not independent: this share of them is,
+# one over the sum of the squares of all correlations, 4/9, 1/36 … of lines and 1/36, 0.02 … of stretches.
+INDEPENDENT_LINES = 0.474
 # Level of the tests whether a damper is viscous, and whether a residual follows the motion: one false alarm in a
 # hundred curves.
 CURVE_LEVEL = 0.01
@@ -30,13 +31,14 @@ class Following:
 
     statistic: float  # mean over the bands of F, which is 1 where nothing follows
     p_value: float
+    share: Ratio  # of the damper's force that the residual follows it by, by chance about half a percent
     pushed: bool = False  # whether a force of its own pushes the body where that moves the strut, or everywhere
 
     def __bool__(self) -> bool:
         return self.p_value < CURVE_LEVEL
 
 
-def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[Drawn]) -> Following:
+def following_of(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, drawn: Sequence[Drawn]) -> Following:
     """Return the test for a fit whose splines are the travel.
 
     The residual follows the errors of the velocity that was found: as far as drawn noises do, it is taken off.
@@ -62,7 +64,7 @@ def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[
     through, wrong = np.vstack(noisy), np.vstack(errors)
     lines = np.sqrt(np.mean(np.abs(rest) ** 2, axis=0))
     lines[lines == 0] = 1.0
-    ratios, chances = [], []
+    ratios, chances, followed = [], [], 0.0
     for band in np.array_split(np.arange(len(lines)), SPECTRUM_BANDS):
         # The drawn noises are `PROBES` times as many as the record's.
         common = np.vdot(wrong[:, band], through[:, band]) / PROBES
@@ -70,6 +72,7 @@ def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[
         y = ((rest[:, band] - by_errors * causes[0][:, band]) / lines[band]).ravel()
         columns = np.stack([(one[:, band] / lines[band]).ravel() for one in causes], axis=1)
         explained = columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
+        followed += float(np.sum(np.abs(explained.reshape(len(rest), -1) * lines[band]) ** 2))
         size, count = columns.shape[1], max(INDEPENDENT_LINES * len(y), columns.shape[1] + 1.0)
         square, part_square = float(np.vdot(y, y).real), float(np.vdot(explained, explained).real)
         # What is left is known to the rounding of the whole.
@@ -77,7 +80,14 @@ def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[
         ratio = part_square / size / over
         ratios.append(ratio)
         chances.append(float(f.sf(ratio, 2 * size, 2 * (count - size))))
-    return Following(statistic=float(np.mean(ratios)), p_value=min(1.0, SPECTRUM_BANDS * min(chances)))
+    forces = shape.forces(fit.theta)
+    damping = float(forces @ shape.nodes / (shape.nodes @ shape.nodes))
+    whole = max(damping**2 * float(np.vdot(causes[0], causes[0]).real), np.finfo(float).tiny)
+    return Following(
+        statistic=float(np.mean(ratios)),
+        p_value=min(1.0, SPECTRUM_BANDS * min(chances)),
+        share=float(np.sqrt(followed / whole)),
+    )
 
 
 def _spectra(signal: RealArray, length: int, use: Flags) -> ComplexArray:

@@ -50,35 +50,44 @@ def of_both_readings(
 ) -> tuple[CurveFit, Noise, Residual, Following]:
     """Return a fit with what is left, and whether that follows the motion of the strut.
 
-    A coloured force on the body has a spectrum like that of noise in the motion, and so has a sensor with a wrong gain.
-    Where the residual is not that of white noise, the curve is found once more with a quiet sensor of the motion. The
-    covariance holds the difference of both, and that residual is judged which follows the motion more.
+    Where the residual is not that of white noise, the curve is found beside a force on the body of any spectrum, and
+    kept if what that leaves does not follow the motion. If it does, a sensor may be wrong: its spectrum is like that of
+    noise in the motion, and the curve is found once more with a quiet sensor of the motion. The covariance holds the
+    difference of both, and that residual is judged which follows the motion more.
     """
     drawn = drawn_noises(motions, fit, shape, noise)
-    left, follows = residual_of(motions, fit, drawn), following_of(motions, fit, drawn)
+    left, follows = residual_of(motions, fit, drawn), following_of(motions, shape, fit, drawn)
     if likely(*misfit_of(left)):
         return fit, noise, left, follows
+    beside = _beside_a_force(motions, shape, fit, noise)
+    if beside is not None and not beside[2]:
+        return beside[0], beside[1], left, beside[2]
+    instead = fit if beside is None else beside[0]
     force = np.sqrt(np.mean(np.concatenate([part.force_residual for part in fit.records]) ** 2))
     quiet = replace(noise, force=float(force), motion=min(QUIET, noise.motion))
     try:
         other = fitted_curve(motions, shape, fit.theta, fit.splines, quiet)
-        there = following_of(motions, other, drawn_noises(motions, other, shape, quiet))
+        there = following_of(motions, shape, other, drawn_noises(motions, other, shape, quiet))
     except (np.linalg.LinAlgError, ValueError):  # one reading alone does not explain the record
-        return _beside_a_force(motions, shape, fit, noise), noise, left, replace(follows, pushed=True)
+        return instead, noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)
     worse = min(follows, there, key=lambda one: one.p_value)
+    if beside is not None and beside[2].p_value < worse.p_value:
+        worse = replace(beside[2], share=worse.share)
     worse = replace(worse, pushed=too_loud(motions, fit, noise, left))
     if worse.pushed:
-        return _beside_a_force(motions, shape, fit, noise), noise, left, worse
+        return instead, noise, left, worse
     return replace(fit, covariance=fit.covariance + apart), noise, left, worse
 
 
-def _beside_a_force(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise) -> CurveFit:
-    """Return the fit with the curve beside a force on the body of any spectrum; as it is where that is not found."""
+def _beside_a_force(
+    motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise
+) -> tuple[CurveFit, Noise, Following] | None:
+    """Return the fit with the curve beside a force of any spectrum, its noise and its test; None if not found."""
     try:
-        return whitened_fit(motions, shape, fit, noise) or fit
+        return whitened_fit(motions, shape, fit, noise)
     except (np.linalg.LinAlgError, ValueError):
-        return fit
+        return None
 
 
 def too_loud(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: Residual) -> bool:

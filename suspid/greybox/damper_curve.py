@@ -222,6 +222,8 @@ def _result(
         freedom=freedom,
         following=float("nan") if follows is None else follows.statistic,
         explains=likely(chi_square, freedom) if follows is None else not (follows or follows.pushed),
+        # What follows the motion is not told from a force of its own that moves the strut.
+        followed=float("nan") if follows is None or follows.pushed else follows.share,
         verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
     )
     checks = checks_of(made, fit, noise, follows=bool(follows))

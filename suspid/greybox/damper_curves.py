@@ -52,10 +52,13 @@ class DamperCurve(Result):
         How much the residual follows the motion of the strut: F, about 1 where it does not; NaN where travel was
         measured.
     explains : bool
-        Whether the residual is noise, or other forces on the body: it does not follow the motion, and is not too
-        loud where such forces move the strut. With a sensor of travel: whether chi-square is not improbably large.
+        Whether the residual is noise, or other forces on the body: it, or what cannot be predicted of it, does not
+        follow the motion. With a sensor of travel: whether chi-square is not improbably large.
     verdict : Verdict
         How far the result can be trusted, and why.
+    followed : float
+        Share of the damper's force by which the residual follows the motion [1], by chance about half a percent; NaN
+        where travel was measured.
 
     Examples
     --------
@@ -88,6 +91,7 @@ class DamperCurve(Result):
     following: float
     explains: bool
     verdict: Verdict
+    followed: Ratio = float("nan")
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return {

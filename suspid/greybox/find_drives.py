@@ -15,7 +15,7 @@ from suspid.greybox.car_records import renaming
 from suspid.greybox.channel_words import names_speed
 from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.drives import Drive, Drives
-from suspid.greybox.shaken import moving, order_in, said_of, shaken_of
+from suspid.greybox.shaken import moving, order_in, said_of, said_of_units, shaken_of
 from suspid.greybox.speeds import way_of
 from suspid.greybox.stretches import judged, stretches_of
 from suspid.model import Suspension
@@ -106,6 +106,7 @@ def find_drives(
         needed, said = _shaking(_fastest(free), limits)
     shaken = shaken_of(whole, needed, car)
     said += said_of(shaken, by_vibration=way.speed is None)
+    said += said_of_units(whole, shaken)
     stretches: list[Drive] = []
     records: list[control.TimeResponseData] = []
     speeds: list[RealArray] = []

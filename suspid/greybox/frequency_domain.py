@@ -8,13 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from suspid.errors import EstimationError
 from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
+from suspid.greybox.judgement import MOST_GAIN
 from suspid.greybox.measured_causes import WheelProblem, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.nearly_rigid import toward_rigid
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.search import SAME_FIT, starts_of
+from suspid.greybox.sensor_faults import sensor_fault
 from suspid.greybox.settling import Point, from_held, released, settled
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
@@ -35,23 +38,20 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         If the records do not determine a combination of the unknowns.
     """
     u, extras = problem.unknowns, problem.extras
-    ends: list[_End] = []
-    for start in starts_of(u):
-        first = [first_levels(source) for source in problem.sources]
-        point, levels = released(problem, *settled(problem, np.concatenate([start, extras.start]), first))
-        judged = misfit_of(point.every, [source.spectra.hertz for source in problem.sources])
-        ends.append(_End(point, levels, judged, bool(len(blind(np.concatenate(_slopes(problem, point)))))))
-        # Two starts that ended at one fit are enough. Where all is taken for noise, unknowns are open: that is none.
-        closed = [end.misfit for end in ends if not end.open]
-        closest = min((misfit.chi_square for misfit in closed), default=0.0)
-        if any(m.likely for m in closed) or sum(m.chi_square < closest + SAME_FIT for m in closed) >= 2:
-            break
+    try:
+        ends = _ends(problem)
+    except np.linalg.LinAlgError:
+        # Two causes that are one to the last digit have no spectra of their own.
+        fault = sensor_fault(problem.sources)
+        if fault is None:
+            raise
+        raise EstimationError(f"the records do not determine the car. {fault}") from None
     point, levels, judged, _ = min(ends, key=lambda end: (end.open, end.misfit.chi_square))
     z, every, _ = point
     squares, prior = _slopes(problem, point)
     labels = (*u.labels, *extras.names)
     slopes = np.concatenate([squares, prior])
-    suspect = None if judged.likely and not len(blind(slopes)) else suspect_of(problem)
+    suspect = _suspect(problem, z, explains=judged.likely and not len(blind(slopes)))
     check_determined(
         slopes, labels, u.suspension(z[: len(u)]), relative=shares_of(_sizes(problem, z), z),
         hint=() if suspect is None else (f"{suspect} As they are, ",),
@@ -89,6 +89,32 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         extra_values=z[len(u) :] * extras.scale,
         extra_ranges=np.column_stack([extras.lower, extras.upper]) * extras.scale[:, None],
     )
+
+
+def _ends(problem: WheelProblem) -> list[_End]:
+    """Return where starts ended, as many as are needed."""
+    u, extras = problem.unknowns, problem.extras
+    ends: list[_End] = []
+    for start in starts_of(u):
+        first = [first_levels(source) for source in problem.sources]
+        point, levels = released(problem, *settled(problem, np.concatenate([start, extras.start]), first))
+        judged = misfit_of(point.every, [source.spectra.hertz for source in problem.sources])
+        ends.append(_End(point, levels, judged, bool(len(blind(np.concatenate(_slopes(problem, point)))))))
+        # Two starts that ended at one fit are enough. Where all is taken for noise, unknowns are open: that is none.
+        closed = [end.misfit for end in ends if not end.open]
+        closest = min((misfit.chi_square for misfit in closed), default=0.0)
+        if any(m.likely for m in closed) or sum(m.chi_square < closest + SAME_FIT for m in closed) >= 2:
+            break
+    return ends
+
+
+def _suspect(problem: WheelProblem, z: RealArray, *, explains: bool) -> Remark | None:
+    """Return what is wrong with a sensor where the car does not explain the records, or a gain is that of none."""
+    extras = problem.extras
+    gains = (z[len(problem.unknowns) :] * extras.scale)[[name.endswith(".gain") for name in extras.names]]
+    if explains and not np.any((gains < 1 / MOST_GAIN) | (gains > MOST_GAIN)):
+        return None
+    return sensor_fault(problem.sources) or (None if explains else suspect_of(problem))
 
 
 class _End(NamedTuple):

@@ -21,6 +21,8 @@ from suspid.words.drives import DriveRemark
 
 # Derivative of a displacement that a channel of which nothing is said is taken for: sensors on cars are accelerometers.
 UNSTATED_ORDER = 2
+# Unit that a displacement or an angle is taken in, by how often it is differentiated.
+UNIT_OF_ORDER = (("m", "rad"), ("m/s", "rad/s"), ("m/s2", "rad/s2"))
 FEWEST_CHANGES = 10  # of a channel that is held: fewer may be those of one that is stuck
 
 
@@ -104,6 +106,37 @@ def said_of(shaken: Shaken, *, by_vibration: bool) -> list[Check]:
     if not (by_vibration and shaken.unknown):
         return []
     return [Check(Remark(DriveRemark.NO_UNIT, {"channels": shaken.unknown}), Level.NOTE)]
+
+
+def said_of_units(recording: Recording, shaken: Shaken) -> list[Check]:
+    """Return what is to be said of channels that state a unit which is not one of what they are taken for.
+
+    Examples
+    --------
+    >>> t = np.arange(300) / 100
+    >>> made = RawChannel(name="acc", unit="volts/8", timepts=t, values=np.sin(9 * t), rate=None)
+    >>> ride = Recording(title="ride", channels=(made,))
+    >>> [check.remark.numbers["unit"] for check in said_of_units(ride, shaken_of(ride, ["acc"], None))]
+    ['volts/8']
+    """
+    named = dict[tuple[str, str], list[str]]()
+    for name, (order, _) in shaken.orders.items():
+        unit = own_unit(recording[name]).strip()
+        # What has no letter, such as a dash, states nothing.
+        if name in shaken.unknown or not any(letter.isalpha() for letter in unit):
+            continue
+        if si_unit(unit) not in UNIT_OF_ORDER[order]:
+            named.setdefault((unit, UNIT_OF_ORDER[order][0]), []).append(name)
+    return [
+        Check(
+            Remark(
+                DriveRemark.UNKNOWN_UNIT,
+                {"channels": tuple(names), "unit": unit, "si": si, "known": bool(si_unit(unit))},
+            ),
+            Level.CARE,
+        )
+        for (unit, si), names in named.items()
+    ]
 
 
 def order_in(car: Suspension | None, name: str) -> int | None:

@@ -99,8 +99,8 @@ def wear(
     dampers, by_curve = [], list[str]()
     for strut in dampers_of(now, earlier):
         wheel = None if after is None else next((one for one in after.wheels if strut.arms.get(one)), None)
-        own = curve_named(curves, strut.name)
-        old = [one for one in (curve_named(each, strut.name) for each in curves_before) if one is not None]
+        own = curve_named(curves, strut.name, rule)
+        old = [one for one in (curve_named(each, strut.name, rule) for each in curves_before) if one is not None]
         if own is not None and old and (doubts or bent(own) or any(map(bent, old))):
             dampers.append(wear_by_curve(strut.name, own, old, rule, wheel))
             by_curve.append(strut.name)

@@ -74,6 +74,7 @@ def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[st
         "chi_square": found.chi_square,
         "freedom": found.freedom,
         "following": None if math.isnan(found.following) else found.following,
+        "followed": None if math.isnan(found.followed) else found.followed,
         "explains": found.explains,
         "masses": [{"name": name, "value": mass, "unit": "kg"} for name, mass in found.suspension.masses.items()],
     }
@@ -124,6 +125,7 @@ def _curve(content: Mapping[str, Any], car: Suspension) -> DamperCurve:
         chi_square=float(content["chi_square"]),
         freedom=int(content["freedom"]),
         following=float("nan") if content.get("following") is None else float(content["following"]),
+        followed=float("nan") if content.get("followed") is None else float(content["followed"]),
         explains=bool(content["explains"]),
         verdict=Verdict(_said(verdict["headline"]), tuple(said)),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from suspid.wording import Argument
+from suspid.wording import Argument, AtCommandLine
 from suspid.words.remarks import MOST_NAMED, Code, Number, count, in_a_row, sentence
 
 
@@ -40,6 +40,18 @@ def _no_unit(numbers: Mapping[str, Any]) -> str:
     return (
         f"Nothing says what {_channels(numbers)} {measures}: whether the car moves was judged as if {were} in m/s2. "
         f"{state}, such as 'body_travel'."
+    )
+
+
+def _unknown_unit(numbers: Mapping[str, Any]) -> str:
+    state, si = "states" if len(numbers["channels"]) == 1 else "state", numbers["si"]
+    unit = f"a unit of {numbers['unit']}" if numbers["known"] else f"the unit {numbers['unit']!r}"
+    why = f"which is none of {si}" if numbers["known"] else "which is not known"
+    scale = AtCommandLine("scale", f"{numbers['channels'][0]}=9.81")
+    return (
+        f"{_channels(numbers)} {state} {unit}, {why}: the samples were taken as {si}. Results are wrong if they are "
+        f"not. State the unit in brackets behind the name, such as 'body_acceleration [g]', or multiply by the factor "
+        f"to {si}{scale}."
     )
 
 
@@ -129,6 +141,7 @@ class DriveRemark(Code):
         ),
     )
     NO_UNIT = "no unit", sentence(_no_unit)
+    UNKNOWN_UNIT = "unknown unit", sentence(_unknown_unit)
     NO_MOTION = (
         "no motion",
         sentence(

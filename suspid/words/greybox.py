@@ -101,6 +101,27 @@ class EstimateCheck(Code):
         "Describe what is missing and measure it: for another axle, a half car with the motion of both wheels given.",
     )
     REVERSED = "reversed", _listed("With the sign of {names} reversed the car explains the records: check the sensor.")
+    DEAD = (
+        "dead",
+        _listed(
+            "{names} follows no other channel: the sensor is dead, loose or not connected, or its samples are of "
+            "another drive. Check the sensor and its wiring."
+        ),
+    )
+    APART = (
+        "apart",
+        _listed(
+            "{names} have nothing in common: one of the sensors is dead, loose or not connected, or their samples are "
+            "of different drives. Check the sensors and their wiring."
+        ),
+    )
+    COPIED = (
+        "copied",
+        _listed(
+            "{names} show the same motion, up to a factor: one sensor is recorded twice, or both are at one place. "
+            "Check the wiring and the names of the channels."
+        ),
+    )
     EXCHANGED = (
         "exchanged",
         _listed("With {names} exchanged the car explains the records: check the names of the channels."),

@@ -97,6 +97,11 @@ class WearCheck(Code):
         "{damper}: compared by its curve, whose damping of equal work is {damping:.4g} N s/m at a velocity of "
         "{amplitude:.2g} m/s.",
     )
+    FOLLOWS_LITTLE = (
+        "follows little",
+        "{damper}: the residual of its curve follows the motion by {share:.1%} of the damper's force; the interval of "
+        "the loss contains that.",
+    )
     BENT = (
         "bent",
         "{damper}: it is not viscous, and a nominal c holds at one amplitude only: here its damping of equal work is "
