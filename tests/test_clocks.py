@@ -185,6 +185,21 @@ SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in ran
 
 
 class TestJitter:
+    def test_a_clock_that_wanders_under_rounded_stamps_keeps_its_samples(self) -> None:
+        """A controller at about 887 Hz, whose rate changes by half a permille, stamped in whole milliseconds."""
+        rates = np.repeat([887.4, 887.0, 886.6], 3300)
+        true = np.cumsum(1 / rates)
+        clock = read_clock(np.floor(true * 1000) / 1000, np.sin(15.5 * true)[None])
+        assert clock.places is not None
+        assert np.array_equal(clock.places, np.arange(true.size))
+        assert 1 / clock.step == pytest.approx(887.0, rel=1e-3)
+        assert kinds(clock) == ["jittering stamps"]
+
+    def test_stamps_that_stray_further_are_irregular_still(self) -> None:
+        rates = np.repeat([900.0, 887.0, 870.0], 3300)
+        true = np.cumsum(1 / rates)
+        assert read_clock(np.floor(true * 1000) / 1000, np.sin(15.5 * true)[None]).places is None
+
     """The same stamps: wrong if the samples are regular, right if the samples were taken then."""
 
     @pytest.mark.parametrize("seed", SEEDS)

@@ -1,7 +1,8 @@
-"""Commands and forces: channels that are constant except for jumps, and not motions."""
+"""Commands and forces: channels that are constant except for jumps, or named as commands, and not motions."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,12 +20,15 @@ if TYPE_CHECKING:
 # through a jump rings for about as many. A motion changes for longer, and one of a few steps of its resolution tells
 # nothing of its modes.
 MOST_JUMPS, LONGEST_JUMP = 4, 48
+# Words of names of what was asked for, not measured. Controllers that are switched off let it follow a sensor.
+COMMAND = re.compile(r"(?<![a-z])(command(ed)?|cmd|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE)
 
 
 def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
-    """Return the record without channels that hold their value but for a few jumps, and what was left out.
+    """Return the record without commands and forces, and what was left out.
 
-    A record of such channels alone, or one too short to tell, stays as it is.
+    Those hold their value but for a few jumps, or are named as commands beside channels that are not. A record of such
+    channels alone, or one too short to tell, stays as it is.
 
     Examples
     --------
@@ -37,15 +41,18 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
     (['x'], 1)
     """
     signal = as_signal(record)
-    jumps = [_jumps(samples) for samples in signal.values]
-    kept = [name for name, number in zip(signal.channels, jumps, strict=True) if number is None]
+    jumps = dict(zip(signal.channels, map(_jumps, signal.values), strict=True))
+    moving = [name for name, number in jumps.items() if number is None]
+    kept = [name for name in moving if not COMMAND.search(name)] or moving
     if not kept or len(kept) == len(signal.channels):
         return record, ()
     rows = [signal.channels.index(name) for name in kept]
     notes = tuple(
-        Remark(Note.HELD_CHANNEL, {"channel": name, "jumps": number})
-        for name, number in zip(signal.channels, jumps, strict=True)
-        if number is not None
+        Remark(Note.COMMAND_CHANNEL, {"channel": name})
+        if number is None
+        else Remark(Note.HELD_CHANNEL, {"channel": name, "jumps": number})
+        for name, number in jumps.items()
+        if name not in kept
     )
     title = str(getattr(record, "title", None) or "")
     return like(record, signal.timepts, signal.values[rows], kept, title=title), notes

@@ -23,7 +23,7 @@ WIDE_HOLE, HOLLOW = 2.5, 0.2
 FEW_PACKETS, LONGEST_WAIT = 20, 0.1
 # A logger's clock may wander against that of the stamps by this share of its rate, from one part of the record to the
 # next: frequencies are off by no more. Slower parts follow rounding, longer ones miss what wanders.
-WANDER, WANDER_PARTS = 2e-3, 20
+STRAYING, STRAY_PARTS = 2e-3, 20
 
 
 def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
@@ -62,12 +62,12 @@ def _wanders(off: RealArray, step: Second) -> bool:
     """Return whether stamps stray from a grid slowly, and from that way by no more than rounding and jitter do."""
     from scipy.ndimage import uniform_filter1d
 
-    size = max(off.size // WANDER_PARTS, 2)
+    size = max(off.size // STRAY_PARTS, 2)
     slow = np.asarray(uniform_filter1d(off, size, mode="nearest"))
     rest = np.abs(off - slow)
     changes = np.abs(slow[size:] - slow[:-size]) / size
     return bool(
-        np.max(changes, initial=0.0) < WANDER * step and np.max(rest) <= step and np.mean(rest > OFF * step) <= FEW
+        np.max(changes, initial=0.0) < STRAYING * step and np.max(rest) <= step and np.mean(rest > OFF * step) <= FEW
     )
 
 

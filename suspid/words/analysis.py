@@ -72,6 +72,10 @@ class Note(Code):
         "channel {channel!r} is a command or a force, not a motion: constant except for jumps ({jumps}); left out; "
         "name the channels to use it",
     )
+    COMMAND_CHANNEL = (
+        "command channel",
+        "channel {channel!r} is named as a command, not as a measurement; left out; name the channels to use it",
+    )
     DERIVED_CHANNEL = (
         "derived channel",
         "channel {channel!r} is the computed derivative of {source!r}, not a measurement; left out; name the "

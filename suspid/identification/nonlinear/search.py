@@ -37,6 +37,9 @@ MOST_MODES = 6
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
 # of the fastest mode, and cut.
 MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
+# Linear modes explain at least this share of the energy of each channel where a structure is sought: friction and
+# springs that bend leave less. Where a sensor moves in other ways, no structure explains it.
+EACH_EXPLAINED = 0.9
 
 
 def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, modes: int | None = None) -> Bent | None:
@@ -97,7 +100,7 @@ def _structure(
         return None
     record = _record(values, noise, linear)
     plain, _ = _linear_modes(record, modes)
-    if plain is None or np.max(1 - plain.squares / np.sum(values**2, axis=1)) < LEAST_EXPLAINED:
+    if plain is None or np.min(1 - plain.squares / np.sum(values**2, axis=1)) < EACH_EXPLAINED:
         return None
     try:
         structure = chosen(record, plain, found, most=modes, highest=highest)

@@ -1,0 +1,70 @@
+"""Channels that spoil a result: a sensor that hardly moves, a mark of a video; they are left out, and that is said."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from suspid import Settings, analyse
+from suspid.words import Level, Note, RecordCheck
+
+RATE = 113.0
+TIME = np.arange(700) / RATE
+
+
+def swing() -> np.ndarray:
+    """Return a mass that is released at 1 s and stopped by friction, in counts of an encoder: turn by turn, exact."""
+    from validation.friction import Rig, released
+
+    rig = Rig(mass=(1.0,), stiffness=(250.0,), damping=(1.0,), friction=(0.6,))
+    motion, _ = released(rig, np.array([0.1]), TIME[TIME >= 1.0] - 1.0)
+    rest = np.full(int(np.sum(TIME < 1.0)), 0.1)
+    return np.asarray(np.round(np.concatenate([rest, motion[0]]) / 1e-4))
+
+
+def touched(seed: int) -> np.ndarray:
+    """Return a clamped encoder beside it: some counts of play that follow, and steps where somebody touches the rig."""
+    rng = np.random.default_rng(seed)
+    steps = np.cumsum(rng.choice([0.0, 0.0, 1.0, -1.0], TIME.size) * (rng.random(TIME.size) < 0.05))
+    return np.asarray(np.round(0.02 * np.roll(swing(), 3) + steps + 6 * np.tanh(np.sin(3 * TIME) * 4)))
+
+
+def written(path: Path, *channels: np.ndarray, names: tuple[str, ...] = ("Encoder 1", "Encoder 2")) -> Path:
+    header = ",".join(["time [s]", *names[: len(channels)]])
+    np.savetxt(path, np.column_stack([TIME, *channels]), fmt="%.9g", delimiter=",", header=header, comments="")
+    return path
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_sensor_that_hardly_moves_is_left_out(seed: int, tmp_path: Path) -> None:
+    found = analyse(written(tmp_path / "two.csv", swing(), touched(seed)))
+    alone = analyse(written(tmp_path / "one.csv", swing()))
+    assert len(found.modes) == 1
+    assert found.modes.channels == ("Encoder 1",)
+    np.testing.assert_allclose(found.modes.poles, alone.modes.poles, rtol=1e-6)
+    assert found.verdict.level is Level.CARE
+    assert RecordCheck.FEWER_CHANNELS in {check.remark.code for check in found.verdict.checks}
+    (note,) = [note for note in found.notes if note.code is Note.FEWER_CHANNELS]
+    assert note.numbers["names"] == ("Encoder 2",)
+    assert "channel 'Encoder 2' is left out" in str(note)
+
+
+def test_channels_that_are_named_are_all_used(tmp_path: Path) -> None:
+    path = written(tmp_path / "two.csv", swing(), touched(1))
+    found = analyse(path, settings=Settings(channels=("Encoder 1", "Encoder 2")))
+    assert Note.FEWER_CHANNELS not in {note.code for note in found.notes}
+
+
+def test_good_channels_stay(tmp_path: Path) -> None:
+    found = analyse(written(tmp_path / "good.csv", swing(), np.round(0.7 * swing())))
+    assert found.modes.channels == ("Encoder 1", "Encoder 2")
+
+
+def test_a_command_that_follows_a_sensor_is_no_measurement(tmp_path: Path) -> None:
+    """A controller that is switched off lets it follow, some counts beside it."""
+    follows = swing() + np.random.default_rng(1).integers(-3, 4, TIME.size)
+    found = analyse(written(tmp_path / "open_loop.csv", swing(), follows, names=("Encoder 1", "Commanded Pos")))
+    assert found.modes.channels == ("Encoder 1",)
+    assert Note.COMMAND_CHANNEL in {note.code for note in found.notes}
+    alone = analyse(written(tmp_path / "alone.csv", follows, names=("Commanded Pos",)))
+    assert alone.modes.channels == ("Commanded Pos",)
