@@ -144,6 +144,7 @@ COMMANDS = [
     f"identify {RECORD},examples/other.csv",
     f"identify {RECORD} --channel Seat",
     f"identify {RECORD} --json /nowhere/x.json",
+    f"identify {RECORD} --json modes.csv",
     f"report {RECORD} -o r.html --car {CAR} --given whel",
     f"reconstruct {CAR}",
     f"modes {CAR} --impulse road",
