@@ -20,7 +20,13 @@ from suspid.cleaning.gaps import MOST_FILLED, runs
 from suspid.cleaning.inspection import without_sentinels
 from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
-from suspid.cleaning.quantities import MOTION_OF_UNIT, derivative_order, named_quantity
+from suspid.cleaning.quantities import (
+    MOTION_OF_UNIT,
+    derivative_order,
+    derivative_orders,
+    named_quantities,
+    named_quantity,
+)
 from suspid.cleaning.read_record import read_record
 from suspid.cleaning.vertical import vertical
 from suspid.cleaning.verticals import Vertical
@@ -43,9 +49,11 @@ __all__ = [
     "clipped_times",
     "clipping",
     "derivative_order",
+    "derivative_orders",
     "halving_error",
     "interpolate",
     "name_in_si",
+    "named_quantities",
     "named_quantity",
     "parts_of",
     "read_record",
