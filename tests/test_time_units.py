@@ -79,6 +79,14 @@ def test_the_unit_is_the_first_in_which_a_suspension_is_sampled_fast_enough(
     assert why.code is LeftOut.FINER_UNIT
 
 
+@pytest.mark.parametrize("rate", [50.0, 200.0, 1000.0])
+def test_minutes_without_a_unit_are_asked_for(tmp_path: Path, rate: float) -> None:
+    path = write(tmp_path / "a.csv", "time", [f"{k / rate / 60:.10g}" for k in range(400)])
+    ((name, why),) = read_recording(path).left_out
+    assert (name, why.code) == ("unit of 'time'", LeftOut.SHORT_SECONDS)
+    assert f"fs={rate:g} if they are min" in str(why)
+
+
 @pytest.mark.parametrize("step", [0.0005, 0.001, 0.01, 0.1, 0.4])
 def test_steps_that_seconds_explain_stay_seconds(tmp_path: Path, step: float) -> None:
     recording = read_recording(write(tmp_path / "a.csv", "time", [f"{step * k:.10g}" for k in range(400)]))
