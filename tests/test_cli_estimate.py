@@ -183,7 +183,7 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
     ("arguments", "code", "message"),
     [
         (["decay.csv", "decay.csv"], 2, "named twice"),
-        (["decay.csv", "--json", "decay.csv"], 2, "named twice"),
+        (["decay.csv", "--json", "decay.csv"], 2, "name it decay.json"),
         (["rig.csv", "--given", "rod"], 1, "--given: 'rod' is no road ('road')"),
         (["decay.csv", "--fixed", "tyre"], 1, "--fixed: there is no strut parameter"),
         (

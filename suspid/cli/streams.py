@@ -106,8 +106,9 @@ class Named(Output):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the path."""
         path: Any = super().convert(value, param, ctx)
-        device = path.exists() and not path.is_file() and not path.is_dir()
-        if path.suffix.lower() != self.suffix and not device:
+        # Of a folder it is said elsewhere that it is one.
+        other = path.exists() and not path.is_file()
+        if path.suffix.lower() != self.suffix and not other:
             self.fail(f"{str(path)!r}: {self.what}; name it {path.stem}{self.suffix}.", param, ctx)
         return path
 
