@@ -13,7 +13,7 @@ from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
 from suspid.cleaning.clock import DRIFT
 from suspid.cleaning.conversions import name_in_si, scaled, si_unit, to_si
-from suspid.cleaning.data_forms import RecordLike
+from suspid.cleaning.data_forms import RecordLike, is_pair
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs
@@ -52,6 +52,7 @@ __all__ = [
     "derivative_orders",
     "halving_error",
     "interpolate",
+    "is_pair",
     "name_in_si",
     "named_quantities",
     "named_quantity",
