@@ -23,7 +23,7 @@ DECAY = np.exp(-0.5 * np.arange(0, 4, 0.01)) * np.cos(20 * np.arange(0, 4, 0.01)
 STEP = re.compile(
     r"Did you mean|Known|known|such as|write |give |name |choose|install|see |use |take |read |must |lasts from|"
     r"Try |--|ask for|pass |is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|"
-    r"call |`suspid ",
+    r"call |widen |`suspid ",
 )
 
 QUARTER = suspid.quarter_car(
@@ -145,6 +145,22 @@ COMMANDS = [
     f"identify {RECORD} --channel Seat",
     f"identify {RECORD} --json /nowhere/x.json",
     f"identify {RECORD} --json modes.csv",
+    f"analyse {RECORD}",
+    f"show {RECORD}",
+    f"eigenmodes {CAR}",
+    "version",
+    "reconstruct modes.json",
+    f"report {RECORD} -o r.html --car examples/hatchback.toml --given wheels",
+    f"identify {RECORD} --band 2-20",
+    f"identify {RECORD} --csv modes.csv",
+    f"identify {RECORD} --decay 7",
+    f"report {RECORD} -o r",
+    f"report {RECORD} -o r.html --speed 20",
+    f"report {RECORD} -o r.html --limits examples/nominal_car.toml",
+    f"estimate {RECORD} --car {CAR} --speed 20",
+    f"tune {CAR} --road C --speed 20 --limit tire.load=5 --points 2",
+    f"tune {CAR} --road C --speed 20 -o car.json",
+    "--modes 3",
     f"report {RECORD} -o r.html --car {CAR} --given whel",
     f"reconstruct {CAR}",
     f"modes {CAR} --impulse road",
@@ -231,6 +247,23 @@ def test_a_call_that_is_wrong_names_the_next_step(call: Callable[[], object]) ->
 
 def test_there_are_sixty() -> None:
     assert len(COMMANDS) + len(CALLS) >= 60
+
+
+@pytest.mark.parametrize(
+    ("line", "way"),
+    [
+        ("analyse x.csv", "Did you mean 'identify'?"),
+        ("help identify", "Did you mean '--help'?"),
+        ("reconstruct modes.json", "MODES and CAR are needed: suspid reconstruct modes.json car.toml"),
+        (f"reconstruct {CAR}", f"MODES and CAR are needed: suspid reconstruct modes.json {CAR}"),
+        (
+            f"report {RECORD} -o r.html --car examples/hatchback.toml --given wheels",
+            "fix one with --fixed …, state --nominal-std …",
+        ),
+    ],
+)
+def test_the_next_step_is_the_right_one(line: str, way: str) -> None:
+    assert way in CliRunner().invoke(main, line.split()).stderr
 
 
 class TestWhatIsMeant:

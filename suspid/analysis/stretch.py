@@ -21,6 +21,7 @@ from suspid.identification import Identification
 from suspid.records import cut, late_start
 from suspid.signals import as_signal
 from suspid.units import Second
+from suspid.wording import Argument
 from suspid.words import DecayDoubt, Level, Note, Number, Remark
 
 if TYPE_CHECKING:
@@ -215,7 +216,11 @@ def _all(record: control.TimeResponseData, decays: Decays) -> Used:
 
 def _one(record: control.TimeResponseData, decays: Decays, rank: int) -> Used:
     if rank > len(decays):
-        raise RecordError(f"there is no decay of rank {rank}; found: {'; '.join(map(str, decays))}")
+        if not len(decays):
+            whole = Argument("decay", repr("whole"))
+            raise RecordError(f"there is no decay of rank {rank}: none was found; {whole} uses the whole record")
+        some = f"choose a rank up to {len(decays)}: {'; '.join(map(str, decays))}"
+        raise RecordError(f"there is no decay of rank {rank}; {some}")
     return used_of(record, decays, decays[rank - 1])
 
 
