@@ -471,7 +471,7 @@ class TestTablesOfSeveralLevels:
 def test_milliseconds_without_a_name_are_warned_of() -> None:
     for data, given in ((VALUES, {"timepts": 1e3 * TIME}), ((1e3 * TIME, VALUES), {}), (VALUES, {"fs": 1 / FS})):
         with pytest.warns(RecordWarning, match="too slow for a suspension: times are in s") as said:
-            as_record(data, **given)  # type: ignore[arg-type]
+            as_record(data, **given)
         assert said[0].filename == __file__
 
 

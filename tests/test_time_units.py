@@ -245,7 +245,7 @@ def test_stamps_of_rows_that_were_picked_outvote_the_rate_above_them(tmp_path: P
 def test_a_unit_in_a_name_is_known_in_every_format(tmp_path: Path) -> None:
     t = np.arange(0, 4, 0.01)
     names, rows = ["seat [mm]", "tire_mm", "body"], np.exp(-t) * np.cos(20 * t) * np.array([[2.0], [1.0], [3.0]])
-    np.savez(tmp_path / "a.npz", time=t, **dict(zip(names, rows, strict=True)))  # type: ignore[arg-type]
+    np.savez(tmp_path / "a.npz", time=t, **dict(zip(names, rows, strict=True)))
     pd.DataFrame({"time": t, **dict(zip(names, rows, strict=True))}).to_csv(tmp_path / "a.csv", index=False)
     for path in (tmp_path / "a.npz", tmp_path / "a.csv"):
         found = analyse(path, settings=Settings(si=True, modes=1))
