@@ -114,7 +114,7 @@ def draw_losses(found: DamperTrends | Wear, ax: Axes) -> None:
     """Draw what each damper has lost with its interval, and the limits of the rule as dotted lines."""
     marks = (100 * found.rule.small, 100 * found.rule.large)
     draw_intervals(losses_of(found), ax, label="damping lost [%]", marks=marks)
-    entitle(ax, f"dotted: with certainty above {marks[0]:g} % is worn, with certainty below {marks[1]:g} % is good")
+    entitle(ax, f"dotted: worn if the interval is above {marks[0]:g} %, good if below {marks[1]:g} %")
 
 
 def draw_fleet(found: FleetSummary, ax: Axes) -> None:
