@@ -254,6 +254,9 @@ def test_there_are_sixty() -> None:
     [
         ("analyse x.csv", "Did you mean 'identify'?"),
         ("help identify", "Did you mean '--help'?"),
+        (f"identify {RECORD} --chanel seat", "Did you mean '--channel'?"),
+        (f"identify {RECORD} --order 3", "Did you mean '--modes'?"),
+        (f"identify {RECORD} --car {CAR}", "Commands that have it: report"),
         ("reconstruct modes.json", "MODES and CAR are needed: suspid reconstruct modes.json car.toml"),
         (f"reconstruct {CAR}", f"MODES and CAR are needed: suspid reconstruct modes.json {CAR}"),
         (
