@@ -15,6 +15,7 @@ from click.testing import CliRunner
 import suspid
 from suspid import Limit, ModalSet, Settings, SuspidError
 from suspid.cli import main
+from suspid.cli.option_groups import GROUPS
 from suspid.cli.option_names import ARGUMENTS_AS_OPTIONS
 
 RECORD, CAR = "examples/quarter_car.csv", "examples/car.toml"
@@ -357,3 +358,14 @@ def test_a_mapping_and_a_name_of_a_mode() -> None:
         suspid.identify({"seat": DECAY}, fs=100)
     with pytest.raises(SuspidError, match="attribute, such as .wn"):
         suspid.eigenmodes(QUARTER)["wn"]  # type: ignore[index]
+
+
+def test_every_option_has_one_purpose_and_long_helps_show_it() -> None:
+    named = [name for names in GROUPS.values() for name in names.split()]
+    params = [one for command in main.commands.values() for one in command.params]
+    assert len(named) == len(set(named))
+    assert {f"--{name}" for name in named} == {one.opts[-1] for one in params if one.param_type_name == "option"}
+    shown = CliRunner().invoke(main, ["fleet", "--help"]).stdout
+    headings = ["Record:", "Part of the record:", "Modes:", "Car:", "Road and drive:", "Fleet:", "Output:", "Help:"]
+    assert [line for line in shown.splitlines() if line.endswith(":") and not line.startswith(" ")] == headings
+    assert "\nOptions:\n" in CliRunner().invoke(main, ["modes", "--help"]).stdout

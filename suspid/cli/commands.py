@@ -11,6 +11,7 @@ from contextlib import contextmanager
 
 import click
 
+from suspid.cli.option_groups import Grouped
 from suspid.cli.option_names import COMMANDS_ELSEWHERE, in_options, named_elsewhere
 from suspid.cli.output import Failed, said_when_full, shown
 from suspid.errors import SuspidError
@@ -78,6 +79,8 @@ FOLLOWED_BY = {"channels": "identify", "report": "estimate"}
 
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
+
+    command_class = Grouped
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Keep the arguments, for reports that show the command they come from."""
