@@ -450,6 +450,13 @@ class TestTimesOfDay:
             as_record(frame)
 
 
+def test_a_table_of_arrow_is_one_of_pandas() -> None:
+    arrow = pytest.importorskip("pyarrow").table({"time": TIME, "seat": VALUES[0]})
+    record = as_record(arrow)
+    assert record.output_labels == ["seat"]
+    np.testing.assert_array_equal(record.time, TIME)
+
+
 class TestTablesOfSeveralLevels:
     def test_columns_are_named_by_all_levels(self) -> None:
         assert as_record(pd.DataFrame({("imu", "z"): TIME}, index=TIME)).output_labels == ["imu_z"]

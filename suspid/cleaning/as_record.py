@@ -42,9 +42,9 @@ def as_record(
     ----------
     data : array_like (channel, sample) or (sample,), or a table
         Samples; a pair ``(timepts, samples)``; a pandas Series or DataFrame whose index, or a column named as a time
-        or with dates or times of day, is the time; an xarray DataArray or Dataset with a dimension of time; or a
-        control.TimeResponseData. Several traces, as of `control.impulse_response`, become channels named
-        ``output_from_input``; inputs that move nothing are left out.
+        or with dates or times of day, is the time; such a table of polars or pyarrow; an xarray DataArray or Dataset
+        with a dimension of time; or a control.TimeResponseData. Several traces, as of `control.impulse_response`,
+        become channels named ``output_from_input``; inputs that move nothing are left out.
     fs : float, optional
         Sampling rate [Hz]; it replaces a time in the data.
     timepts : array_like (sample,), optional

@@ -45,6 +45,8 @@ def samples_of(
     package = type(data).__module__.partition(".")[0]
     if package == "pandas":
         return _of_pandas(data)
+    if package in ("polars", "pyarrow") and hasattr(data, "to_pandas"):
+        return samples_of(_in_pandas(data, package), samples, own_units=own_units)
     if package == "xarray":
         return _of_xarray(data, samples, own_units=own_units)
     if isinstance(data, list | tuple) and len(data) and all(map(is_response, data)):
@@ -63,6 +65,14 @@ def samples_of(
         raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
     values = _matrix(data, samples)
     return values, None, _numbered(values)
+
+
+def _in_pandas(data: RecordLike, package: str) -> RecordLike:
+    """Return a table of another package as one of pandas."""
+    try:
+        return data.to_pandas()
+    except ImportError as missing:
+        raise RecordError(f"tables of {package} are read by way of pandas: {missing}") from None
 
 
 def _of_response(data: RecordLike) -> tuple[RealArray, RealArray, list[str]]:
