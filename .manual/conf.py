@@ -18,7 +18,11 @@ HERE = Path(__file__).resolve().parent
 ROOT = next(folder for folder in HERE.parents if (folder / "pyproject.toml").exists())
 sys.path[:0] = [str(ROOT), str(HERE)]
 
+import click  # noqa: E402 - after the path of this folder
+
 from suspid import performance  # noqa: E402 - from this folder
+from suspid.cli import main  # noqa: E402
+from suspid.cli.option_groups import by_group  # noqa: E402
 
 # Notebooks draw in their cells, whatever backend the shell that builds the manual has.
 os.environ.pop("MPLBACKEND", None)
@@ -105,6 +109,26 @@ def _public_names() -> str:
     return "\n".join(parts) + "\n"
 
 
+def _options() -> str:
+    """Return the page of all options by what they are for, each with the commands that have it."""
+    every: dict[str, list[tuple[str, click.Option]]] = {}
+    for name, command in main.commands.items():
+        for option in command.params:
+            if isinstance(option, click.Option):
+                every.setdefault(option.opts[-1], []).append((name, option))
+    parts = ["# Options", "", "By what they are for, with the commands that have them."]
+    for heading, some in by_group([uses[0][1] for uses in every.values()]).items():
+        parts += ["", f"## {heading}", ""]
+        for option in some:
+            meanings: dict[tuple[str, str], list[str]] = {}
+            for name, one in every[option.opts[-1]]:
+                command = main.commands[name]
+                record = one.get_help_record(click.Context(command, info_name=name))
+                meanings.setdefault(record or ("", ""), []).append(f"[{name}](commands.rst)")
+            parts += [f"- `{called}`: {said} {', '.join(names)}" for (called, said), names in meanings.items()]
+    return "\n".join(parts) + "\n"
+
+
 def _section(title: str) -> str:
     """Return a section of the README without its heading; links to files of the repository are left as text."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -127,6 +151,7 @@ def _indexed(table: str) -> str:
 def _make_pages(source: Path) -> None:
     """Write the pages that are made from the README, the reports and the names, beside the others."""
     (source / "names.rst").write_text(_public_names(), encoding="utf-8")
+    (source / "options.md").write_text(_options(), encoding="utf-8")
     for name, title, heading in (
         ("conventions", "Conventions", "Conventions"),
         ("measured", "Measured", "How the figures were measured"),

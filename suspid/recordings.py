@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.stamps import rate_and_gaps
-from suspid.text_tables import text_table
+from suspid.text_tables import COLUMN_GAP, TERMINAL, named, sentence_table, text_table
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import listed, nearest_names
 from suspid.wording import Argument
@@ -232,7 +232,9 @@ class Recording:
         )
         names, reasons = [name for name, _ in self.left_out], [str(reason) for _, reason in self.left_out]
         if names:
-            table = f"{table}\n\n{text_table({'left out': names, 'because it': reasons})}"
+            room = TERMINAL - COLUMN_GAP - max(len(named(name)) for name in [*names, "left out"])
+            whys = sentence_table({"left out": names}, "because it", [[reason] for reason in reasons], room)
+            table = f"{table}\n\n{whys}"
         if not self.tests:
             return table
         first, together = Argument("test", repr(self.tests[0])), Argument("test", "'all'")

@@ -155,7 +155,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return the text and the main picture for a notebook; whatever a name holds stays text."""
-        text = f'<pre style="white-space: pre; overflow-x: auto">{html.escape(str(self))}</pre>'
+        text = f'<pre style="white-space: pre; overflow-x: auto">{_in_cell(str(self))}</pre>'
         drawing = drawing_of(self)
         if drawing is None:
             return text
@@ -167,6 +167,18 @@ class Result:
             figure.savefig(stream, format="png", dpi=NOTEBOOK_DOTS)
             content = base64.b64encode(stream.getvalue()).decode("ascii")
         return f'{text}<img alt="{type(self).__name__}" src="data:image/png;base64,{content}">'
+
+
+def _in_cell(text: str) -> str:
+    """Return text for a notebook: sentences are broken at the width of the cell, tables keep their columns."""
+    lines = html.escape(text).split("\n")
+    # Columns stand two spaces apart.
+    return "\n".join(
+        f'<span style="white-space: pre-wrap">{line}</span>'
+        if " " in line.strip() and "  " not in line.strip()
+        else line
+        for line in lines
+    )
 
 
 def _draw(drawing: Drawing, figure: Figure, *, whole: bool) -> None:

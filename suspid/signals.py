@@ -95,7 +95,9 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: boo
         If the response is empty, too short, complex, masked, irregular in time, or holds values that are not finite.
     """
     if not all(hasattr(response, name) for name in ("time", "y", "output_labels")):
-        raise RecordError(f"expected a control.TimeResponseData, not {type(response).__name__}")
+        raise RecordError(
+            f"expected a control.TimeResponseData, not {type(response).__name__}: write as_record(data, fs=...)"
+        )
     timepts, values = real_numbers(response.time, "time"), real_numbers(response.y, "the response")
     if values.ndim == 3:
         if values.shape[1] != 1:
@@ -164,7 +166,8 @@ def real_numbers(data: ArrayLike, what: str) -> RealArray:
             raise RecordError(f"{what} is complex; pass its real or its imaginary part as a record of its own")
         values = values.real
     if values.dtype.kind not in "iufb":
-        raise RecordError(f"{what} contains no numbers, but {values.dtype}; give an array of real numbers")
+        way = "give an array of real numbers, as in np.asarray(data, float)"
+        raise RecordError(f"{what} contains no numbers, but {values.dtype}; {way}")
     return np.asarray(values, float)
 
 

@@ -215,6 +215,16 @@ class TestSettings:
         )
         assert json.loads(json.dumps(settings.to_dict()))["springs"]["fixed"] == ["a"]
 
+    @pytest.mark.parametrize(
+        ("start", "stop", "said"),
+        [(-3.0, 1.0, True), (0.1, 20.0, True), (-0.001, 1.99, False), (0.1, 2.001, False), (None, 20.0, True)],
+    )
+    def test_times_outside_the_record_are_said(self, start: float | None, stop: float, said: bool) -> None:
+        t = np.arange(400) / 200
+        found = analyse((t, np.exp(-t) * np.cos(20 * t)), settings=Settings(start=start, stop=stop, modes=1))
+        outside = [str(note) for note in found.notes if note.code is Note.OUTSIDE]
+        assert outside == ["the record lasts from 0 to 1.995 s; start or stop is outside of it"] * said
+
     def test_a_rank_that_is_not_there(self, tmp_path: Path) -> None:
         with pytest.raises(RecordError, match="no decay of rank 7"):
             analyse(late_bump(tmp_path / "bump.csv"), settings=Settings(decay=7))

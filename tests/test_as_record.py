@@ -20,6 +20,7 @@ from suspid import (
     InputError,
     ModalSet,
     RecordError,
+    RecordWarning,
     Settings,
     SuspidError,
     add_noise,
@@ -48,6 +49,7 @@ from suspid import (
     stabilization,
     statespace,
 )
+from suspid.greybox.trials import records_of
 from validation import cars
 
 FS = 200.0
@@ -154,6 +156,9 @@ def test_units_and_times_of_xarray() -> None:
         (lambda: as_record(VALUES, fs=FS, units=["mm"]), "unit of each of 3 channels"),
         (lambda: as_record(VALUES, fs=FS, units={"z": "mm"}), "no such channel"),
         (lambda: as_record("decay.csv"), "read it with read_record"),
+        (lambda: as_record(VALUES.astype(object), fs=FS), r"np.asarray\(data, float\)"),
+        (lambda: as_record(control.TimeResponseList(2 * [RECORD])), "2 responses: .* identify_repeats"),
+        (lambda: add_noise(VALUES, snr_db=20.0, rng=np.random.default_rng(1)), r"write as_record\(data, fs="),
         (lambda: as_record(table().assign(**{"time [furlong]": TIME})), "not known"),
     ],
 )
@@ -237,6 +242,11 @@ def test_a_response_without_a_title_is_described_by_its_samples() -> None:
     found = identify(control.initial_response(control.tf2ss([1.0], [1.0, 2.0, 400.0]), TIME, [1.0, 0.0]), modes=1)
     assert repr(found).endswith("1 channel: y[0]>")
     assert "object at" not in repr(found)
+
+
+def test_frequency_responses_have_none() -> None:
+    with pytest.raises(InputError, match=r"control\.TransferFunction"):
+        eigenmodes(control.frd([1], [1.0]))
 
 
 def test_transfer_functions_have_modes() -> None:
@@ -433,3 +443,54 @@ class TestTimesOfDay:
             as_record(frame)
         with pytest.raises(RecordError, match=r"leave them out, as in data.drop\(columns=\['gear'\]\)"):
             as_record(pd.DataFrame({"time": self.STAMPS, "seat": self.SAMPLES, "gear": ["N"] * 200}))
+
+    def test_numbers_that_are_objects_need_no_text_function(self) -> None:
+        frame = pd.DataFrame({"time": self.STAMPS, "seat": np.array(self.SAMPLES, object)})
+        with pytest.raises(RecordError, match=r"as in pandas.to_numeric\(data\['seat'\]\), or"):
+            as_record(frame)
+
+
+def test_a_table_of_arrow_is_one_of_pandas() -> None:
+    arrow = pytest.importorskip("pyarrow").table({"time": TIME, "seat": VALUES[0]})
+    record = as_record(arrow)
+    assert record.output_labels == ["seat"]
+    np.testing.assert_array_equal(record.time, TIME)
+
+
+class TestTablesOfSeveralLevels:
+    def test_columns_are_named_by_all_levels(self) -> None:
+        assert as_record(pd.DataFrame({("imu", "z"): TIME}, index=TIME)).output_labels == ["imu_z"]
+
+    def test_one_record_of_an_index_is_chosen(self) -> None:
+        index = pd.MultiIndex.from_product([["left", "right"], TIME], names=["side", "time"])
+        runs = pd.DataFrame({"seat": np.concatenate([VALUES[0], VALUES[1]])}, index=index)
+        with pytest.raises(RecordError, match=r"2 levels.*data.xs\('left'\)"):
+            as_record(runs)
+        np.testing.assert_array_equal(as_record(runs.xs("left")).y, VALUES[:1])
+
+    def test_the_time_in_another_unit_is_no_channel(self) -> None:
+        frame = pd.DataFrame({"time": TIME, "t_ms": 1e3 * TIME, "seat": VALUES[0], "timestamp": 1e3 * TIME})
+        record = as_record(frame)
+        assert record.output_labels == ["seat"]
+        np.testing.assert_array_equal(record.time, TIME)
+
+
+def test_milliseconds_without_a_name_are_warned_of() -> None:
+    for data, given in ((VALUES, {"timepts": 1e3 * TIME}), ((1e3 * TIME, VALUES), {}), (VALUES, {"fs": 1 / FS})):
+        with pytest.warns(RecordWarning, match="too slow for a suspension: times are in s") as said:
+            as_record(data, **given)
+        assert said[0].filename == __file__
+
+
+def test_a_pair_is_one_record_where_several_are_taken() -> None:
+    assert records_of((TIME, VALUES)) == [(TIME, VALUES)]
+    with pytest.raises(SuspidError, match="no channel of the record measures the suspension: 'y"):
+        estimate((TIME, VALUES), cars.PAPER)
+
+
+def test_traces_of_one_name_are_numbered() -> None:
+    system = control.ss([[0, 1], [-100, -2]], [[0], [1]], [[1, 0]], 0)
+    runs = [control.initial_response(system, TIME, start) for start in ([1, 0], [0, 1])]
+    one, other = as_record(control.combine_time_responses(runs)).output_labels
+    assert one.endswith(" 1")
+    assert other == f"{one[:-1]}2"

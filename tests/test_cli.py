@@ -269,7 +269,8 @@ class TestSeveralTestsGiveTheCar:
             (("--nominal-std", 0), 2, "positive"),
             (("--level", 1), 2, "--level"),
             (("--level", 0.9, "--json", "f.json"), 1, "carried no covariance"),
-            (("--json", "n.toml"), 2, "named twice"),
+            (("--json", "n.toml"), 2, "name it n.json"),
+            (("--json", "m.json"), 2, "named twice"),
             (("-o", "n.toml"), 2, "named twice"),
             (("-o", "car.json"), 2, "a car is written as TOML; name it car.toml"),
         ],
@@ -353,7 +354,7 @@ class TestAsAProcess:
 
 class TestNothingIsOverwritten:
     def test_an_input_is_no_output(self, tmp_path: Path) -> None:
-        record = tmp_path / "my.csv"
+        record = tmp_path / "my.json"
         record.write_text("time,seat\n" + "".join(f"{k / 100},{np.exp(-k / 50) * np.cos(k / 3)}\n" for k in range(300)))
         before = record.read_bytes()
         run = CliRunner().invoke(main, ["identify", str(record), "--json", str(record)])

@@ -377,12 +377,13 @@ class TestRefusals:
         times, channels = drive()
         body = {name: values[::every] for name, values in channels.items() if "tire" not in name}
         file = write(folder / "short.csv", times[::every], body)
-        done = run("drive", file, "--car", folder / "car.toml", "--page", folder / "page.html", "--json", folder / "o")
+        out = folder / "o.json"
+        done = run("drive", file, "--car", folder / "car.toml", "--page", folder / "page.html", "--json", out)
         assert done.exit_code == 0, done.output
         for text in ("moving at", "no frequency of the body from", why, "There is no result"):
             assert text in done.output
         assert why in (folder / "page.html").read_text(encoding="utf-8")
-        jsonschema.validate(json.loads((folder / "o").read_text(encoding="utf-8")), json_schema("drive"))
+        jsonschema.validate(json.loads(out.read_text(encoding="utf-8")), json_schema("drive"))
 
     def test_reasons_of_many_channels_fit_a_line(self) -> None:
         names = tuple(f"channel {i}" for i in range(12))

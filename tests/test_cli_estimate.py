@@ -183,7 +183,7 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
     ("arguments", "code", "message"),
     [
         (["decay.csv", "decay.csv"], 2, "named twice"),
-        (["decay.csv", "--json", "decay.csv"], 2, "named twice"),
+        (["decay.csv", "--json", "decay.csv"], 2, "name it decay.json"),
         (["rig.csv", "--given", "rod"], 1, "--given: 'rod' is no road ('road')"),
         (["decay.csv", "--fixed", "tyre"], 1, "--fixed: there is no strut parameter"),
         (
@@ -330,8 +330,8 @@ def test_a_report_of_a_drive_that_comes_to_a_halt_leads_with_springs_and_dampers
     table = np.column_stack([times, *(np.asarray(record.y) + noise)])
     np.savetxt(files / "halt.csv", table, delimiter=",", header=header, comments="")
     result = run(
-        "report", files / "halt.csv", "--car", files / "car.toml", "-o", files / "p.html", "--json", files / "e"
+        "report", files / "halt.csv", "--car", files / "car.toml", "-o", files / "p.html", "--json", files / "e.json"
     )
     assert result.exit_code == 0, result.output
     assert "no clear free decay was found: the motion of tire was taken as the cause" in result.stderr
-    assert holds({"parameters": json.loads((files / "e").read_text())["parameters"][:1]})
+    assert holds({"parameters": json.loads((files / "e.json").read_text())["parameters"][:1]})

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from fleets import CAR, make_fleet, time_limit, write_decay
+from matplotlib.figure import Figure
 
 from suspid import InputError, ModalSet, eigenmodes, quarter_car
 from suspid.analysis import CarSettings, Settings
@@ -31,6 +32,7 @@ from suspid.fleet.tables import TABLE_COLUMNS, Rows
 from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
+from suspid.reporting.plot_fleet import draw_distribution
 from suspid.units import RealArray
 from suspid.words import DamperState, Failure, FleetCheck, Step
 
@@ -117,6 +119,18 @@ class TestDistributionsAndOutliers:
             quantity="f", unit="Hz", count=1, median=1.2, quantiles=(1.2,) * len(QUANTILES), scatter=0.0, stated=np.nan
         )
         assert "nan" not in distribution_table([one])
+
+    def test_values_that_differ_in_the_last_digits_are_written_in_full(self) -> None:
+        one = Distribution(
+            quantity="seat.stiffness", unit="N/m", count=2, median=199973.0, quantiles=(199973.0,) * len(QUANTILES),
+            scatter=8.0, stated=9.0, edges=(199965.0, 199973.0, 199982.0), bars=(1, 1),
+        )  # fmt: skip
+        ax = Figure(figsize=(3.6, 1.4), layout="constrained").subplots()
+        draw_distribution(one, ax)
+        ax.figure.draw_without_rendering()  # type: ignore[union-attr]
+        assert ax.xaxis.get_offset_text().get_text() == ""
+        assert all(float(tick.get_text()) > 199900 for tick in ax.get_xticklabels())
+        assert [line.get_label() for line in ax.lines] == ["median 199970"]
 
     def test_scatter_beside_what_is_stated(self, tmp_path: Path) -> None:
         """1000 normal values: median and robust scatter within five of their standard deviations."""

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 import suspid
 from suspid import Limit, ModalSet, Settings, SuspidError
 from suspid.cli import main
+from suspid.cli.option_groups import GROUPS
 from suspid.cli.option_names import ARGUMENTS_AS_OPTIONS
 
 RECORD, CAR = "examples/quarter_car.csv", "examples/car.toml"
@@ -23,7 +24,7 @@ DECAY = np.exp(-0.5 * np.arange(0, 4, 0.01)) * np.cos(20 * np.arange(0, 4, 0.01)
 STEP = re.compile(
     r"Did you mean|Known|known|such as|write |give |name |choose|install|see |use |take |read |must |lasts from|"
     r"Try |--|ask for|pass |is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|"
-    r"call |`suspid ",
+    r"call |widen |`suspid ",
 )
 
 QUARTER = suspid.quarter_car(
@@ -144,6 +145,21 @@ COMMANDS = [
     f"identify {RECORD},examples/other.csv",
     f"identify {RECORD} --channel Seat",
     f"identify {RECORD} --json /nowhere/x.json",
+    f"identify {RECORD} --json modes.csv",
+    f"analyse {RECORD}",
+    f"show {RECORD}",
+    f"eigenmodes {CAR}",
+    "version",
+    "reconstruct modes.json",
+    f"identify {RECORD} --band 2-20",
+    f"identify {RECORD} --csv modes.csv",
+    f"identify {RECORD} --decay 7",
+    f"report {RECORD} -o r",
+    f"report {RECORD} -o r.html --speed 20",
+    f"report {RECORD} -o r.html --limits examples/nominal_car.toml",
+    f"estimate {RECORD} --car {CAR} --speed 20",
+    f"tune {CAR} --road C --speed 20 -o car.json",
+    "--modes 3",
     f"report {RECORD} -o r.html --car {CAR} --given whel",
     f"reconstruct {CAR}",
     f"modes {CAR} --impulse road",
@@ -230,6 +246,26 @@ def test_a_call_that_is_wrong_names_the_next_step(call: Callable[[], object]) ->
 
 def test_there_are_sixty() -> None:
     assert len(COMMANDS) + len(CALLS) >= 60
+
+
+@pytest.mark.parametrize(
+    ("line", "way"),
+    [
+        ("analyse x.csv", "Did you mean 'identify'?"),
+        ("help identify", "Did you mean '--help'?"),
+        (f"identify {RECORD} --chanel seat", "Did you mean '--channel'?"),
+        (f"identify {RECORD} --order 3", "Did you mean '--modes'?"),
+        (f"identify {RECORD} --car {CAR}", "Commands that have it: report"),
+        ("reconstruct modes.json", "MODES and CAR are needed: suspid reconstruct modes.json car.toml"),
+        (f"reconstruct {CAR}", f"MODES and CAR are needed: suspid reconstruct modes.json {CAR}"),
+        (
+            f"report {RECORD} -o r.html --car examples/hatchback.toml --given wheels",
+            "fix one with --fixed …, state --nominal-std …",
+        ),
+    ],
+)
+def test_the_next_step_is_the_right_one(line: str, way: str) -> None:
+    assert way in CliRunner().invoke(main, line.split()).stderr
 
 
 class TestWhatIsMeant:
@@ -320,3 +356,14 @@ def test_a_mapping_and_a_name_of_a_mode() -> None:
         suspid.identify({"seat": DECAY}, fs=100)
     with pytest.raises(SuspidError, match="attribute, such as .wn"):
         suspid.eigenmodes(QUARTER)["wn"]  # type: ignore[index]
+
+
+def test_every_option_has_one_purpose_and_long_helps_show_it() -> None:
+    named = [name for names in GROUPS.values() for name in names.split()]
+    params = [one for command in main.commands.values() for one in command.params]
+    assert len(named) == len(set(named))
+    assert {f"--{name}" for name in named} == {one.opts[-1] for one in params if one.param_type_name == "option"}
+    shown = CliRunner().invoke(main, ["fleet", "--help"]).stdout
+    headings = ["Record:", "Part of the record:", "Modes:", "Car:", "Road and drive:", "Fleet:", "Output:", "Help:"]
+    assert [line for line in shown.splitlines() if line.endswith(":") and not line.startswith(" ")] == headings
+    assert "\nOptions:\n" in CliRunner().invoke(main, ["modes", "--help"]).stdout

@@ -176,6 +176,12 @@ def test_names_stay_text_in_a_notebook() -> None:
     assert isinstance(cell, str)
 
 
+def test_sentences_are_broken_in_a_notebook_and_tables_are_not(results: dict[str, Any]) -> None:
+    lines = results["estimate"]._repr_html_().split("\n")
+    assert all(line.startswith('<span style="white-space: pre-wrap">') for line in lines if "note:" in line)
+    assert not any("<span" in line for line in lines if "seat.stiffness" in line or "wn [rad/s]" in line)
+
+
 def test_plots_are_those_of_python_control(results: dict[str, Any]) -> None:
     for name in sorted(DRAWN):
         plot = results[name].plot()

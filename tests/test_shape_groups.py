@@ -54,6 +54,12 @@ class TestNames:
         assert [label.get_text() for label in ax.get_yticklabels()] == labels
         assert ax.get_title(loc="left") == "shapes [1 = largest by unit]"
 
+    def test_letters_keep_quantities_apart_where_they_stand_before_one_name(self) -> None:
+        modes = ModalSet(poles=EXACT.poles, shapes=EXACT.shapes, channels=["z_seat_m", "z_wheel_m", "a_seat"])
+        assert [group.channels for group in shape_groups(modes, None)] == [(0, 1), (2,)]
+        apart = ModalSet(poles=EXACT.poles, shapes=EXACT.shapes, channels=["z_seat_m", "z_wheel_m", "a_tire"])
+        assert len(shape_groups(apart, None)) == 1
+
     def test_bars_that_cannot_be_seen_are_said_to_be_without_units(self) -> None:
         small = measured([0, 0, 0], [1.0, 1.0, 1000.0])
         assert "without units" in plot_shapes(small, ax=Figure().subplots()).get_title(loc="left")

@@ -79,6 +79,14 @@ def test_the_unit_is_the_first_in_which_a_suspension_is_sampled_fast_enough(
     assert why.code is LeftOut.FINER_UNIT
 
 
+@pytest.mark.parametrize("rate", [50.0, 200.0, 1000.0])
+def test_minutes_without_a_unit_are_asked_for(tmp_path: Path, rate: float) -> None:
+    path = write(tmp_path / "a.csv", "time", [f"{k / rate / 60:.10g}" for k in range(400)])
+    ((name, why),) = read_recording(path).left_out
+    assert (name, why.code) == ("unit of 'time'", LeftOut.SHORT_SECONDS)
+    assert f"fs={rate:g} if they are min" in str(why)
+
+
 @pytest.mark.parametrize("step", [0.0005, 0.001, 0.01, 0.1, 0.4])
 def test_steps_that_seconds_explain_stay_seconds(tmp_path: Path, step: float) -> None:
     recording = read_recording(write(tmp_path / "a.csv", "time", [f"{step * k:.10g}" for k in range(400)]))
@@ -232,3 +240,18 @@ def test_stamps_of_rows_that_were_picked_outvote_the_rate_above_them(tmp_path: P
     assert recording["seat"].mean_rate == pytest.approx(625)
     assert LeftOut.OUTVOTED in [why.code for _, why in recording.left_out]
     assert np.diff(read_record(path).time) == pytest.approx(0.0016)
+
+
+def test_a_unit_in_a_name_is_known_in_every_format(tmp_path: Path) -> None:
+    t = np.arange(0, 4, 0.01)
+    names, rows = ["seat [mm]", "tire_mm", "body"], np.exp(-t) * np.cos(20 * t) * np.array([[2.0], [1.0], [3.0]])
+    np.savez(tmp_path / "a.npz", time=t, **dict(zip(names, rows, strict=True)))
+    pd.DataFrame({"time": t, **dict(zip(names, rows, strict=True))}).to_csv(tmp_path / "a.csv", index=False)
+    for path in (tmp_path / "a.npz", tmp_path / "a.csv"):
+        found = analyse(path, settings=Settings(si=True, modes=1))
+        signal = as_signal(found.record)
+        assert signal.channels == ("seat [m]", "tire_m", "body")
+        assert signal.values[:, 0] == pytest.approx([2e-3, 1e-3, 3.0])
+        assert [str(note) for note in found.notes if "not converted" in str(note)] == [
+            "channel 'body' was not converted: the file states no unit; scale multiplies it"
+        ]

@@ -10,9 +10,10 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
-from suspid import InputError, quarter_car, ride, road, tune, write_car
+from suspid import InputError, plot_tuning, quarter_car, ride, road, tune, write_car
 from suspid.cli import main
 from suspid.performance import tuning_steps
 from suspid.performance.choices import box_of, choice_of
@@ -28,7 +29,7 @@ from suspid.performance.uncertain import uncertain
 from suspid.units import RealArray
 from suspid.words import Check, Level
 from suspid.words.tuning import TuningCheck
-from validation.cars import FOUR_WHEELS, TWO_AXLES
+from validation.cars import FOUR_WHEELS, HATCHBACK, TWO_AXLES
 
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
@@ -391,3 +392,14 @@ class TestProgress:
         shown = CliRunner().invoke(main, ["tune", str(tmp_path / "car.toml"), *drive])
         assert shown.exit_code == 0, shown.output
         assert begun == [tuning_steps(2, 3)]
+
+
+def test_the_key_of_its_picture_hides_no_line() -> None:
+    figure = Figure(figsize=(3.6, 5.0))
+    plot_tuning(tune(HATCHBACK, road="C", speed=20.0, points=2), figure)
+    figure.draw_without_rendering()
+    (key,) = figure.legends
+    assert len(key.get_texts()) == 4
+    panels = [ax.get_tightbbox() for ax in figure.axes]
+    assert not any(key.get_window_extent().overlaps(panel) for panel in panels if panel is not None)
+    assert key.get_window_extent().x0 >= 0

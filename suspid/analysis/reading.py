@@ -192,7 +192,7 @@ def in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
         try:
             factor, si = to_si(1.0, unit)
         except InputError as error:
-            why = error.message if unit else "the file states no unit"
+            why = error.message if unit else f"the file states no unit; {Argument('scale')} multiplies it"
             notes.append(Remark(Note.NOT_CONVERTED, {"channel": name, "why": why}))
             units.append(unit)
             continue

@@ -53,7 +53,7 @@ def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
 def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if settings.start is not None or settings.stop is not None:
         part = cut(record, start=settings.start, stop=settings.stop)
-        return Used(record=part, decays=(), used=(), notes=())
+        return Used(record=part, decays=(), used=(), notes=_outside(record, settings))
     which = settings.decay
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
@@ -64,6 +64,18 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
     return _all(record, decays) if which == "all" else _one(record, decays, int(which))
+
+
+def _outside(record: control.TimeResponseData, settings: Settings) -> tuple[Remark, ...]:
+    """Return a remark where a time that was asked for lies before or after the record.
+
+    A record of two seconds ends one sample before them, give or take rounding.
+    """
+    signal = as_signal(record)
+    first, last, slack = float(signal.timepts[0]), float(signal.timepts[-1]), 1.5 * signal.step
+    early = settings.start is not None and settings.start < first - slack
+    late = settings.stop is not None and settings.stop > last + slack
+    return (Remark(Note.OUTSIDE, {"first": first, "last": last}),) if early or late else ()
 
 
 def _best(record: control.TimeResponseData, settings: Settings) -> Used:
@@ -219,7 +231,8 @@ def _all(record: control.TimeResponseData, decays: Decays) -> Used:
 
 def _one(record: control.TimeResponseData, decays: Decays, rank: int) -> Used:
     if rank > len(decays):
-        raise RecordError(f"there is no decay of rank {rank}; found: {'; '.join(map(str, decays))}")
+        some = f"choose a rank up to {len(decays)}: {'; '.join(map(str, decays))}"
+        raise RecordError(f"there is no decay of rank {rank}; {some}")
     return used_of(record, decays, decays[rank - 1])
 
 

@@ -13,14 +13,20 @@ from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
 from suspid.cleaning.clock import DRIFT
 from suspid.cleaning.conversions import name_in_si, scaled, si_unit, to_si
-from suspid.cleaning.data_forms import RecordLike
+from suspid.cleaning.data_forms import RecordLike, is_pair
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs
 from suspid.cleaning.inspection import without_sentinels
 from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
-from suspid.cleaning.quantities import MOTION_OF_UNIT, derivative_order, named_quantity
+from suspid.cleaning.quantities import (
+    MOTION_OF_UNIT,
+    derivative_order,
+    derivative_orders,
+    named_quantities,
+    named_quantity,
+)
 from suspid.cleaning.read_record import read_record
 from suspid.cleaning.vertical import vertical
 from suspid.cleaning.verticals import Vertical
@@ -43,9 +49,12 @@ __all__ = [
     "clipped_times",
     "clipping",
     "derivative_order",
+    "derivative_orders",
     "halving_error",
     "interpolate",
+    "is_pair",
     "name_in_si",
+    "named_quantities",
     "named_quantity",
     "parts_of",
     "read_record",

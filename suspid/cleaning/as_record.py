@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,8 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning.conversions import converted
 from suspid.cleaning.data_forms import RecordLike, is_response, samples_of, time_samples
-from suspid.errors import RecordError
+from suspid.errors import RecordError, RecordWarning
+from suspid.io import SLOWEST_STEP
 from suspid.records import as_response
 from suspid.signals import check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
@@ -40,9 +42,9 @@ def as_record(
     ----------
     data : array_like (channel, sample) or (sample,), or a table
         Samples; a pair ``(timepts, samples)``; a pandas Series or DataFrame whose index, or a column named as a time
-        or with dates or times of day, is the time; an xarray DataArray or Dataset with a dimension of time; or a
-        control.TimeResponseData. Several traces, as of `control.impulse_response`, become channels named
-        ``output_from_input``; inputs that move nothing are left out.
+        or with dates or times of day, is the time; such a table of polars or pyarrow; an xarray DataArray or Dataset
+        with a dimension of time; or a control.TimeResponseData. Several traces, as of `control.impulse_response`,
+        become channels named ``output_from_input``; inputs that move nothing are left out.
     fs : float, optional
         Sampling rate [Hz]; it replaces a time in the data.
     timepts : array_like (sample,), optional
@@ -67,6 +69,11 @@ def as_record(
         some variables of xarray have a unit that is known.
     InputError
         If a unit is not known.
+
+    Warns
+    -----
+    RecordWarning
+        If the steps, in seconds, are too slow for a suspension.
 
     Examples
     --------
@@ -102,8 +109,10 @@ def as_record(
         )
     if time.ndim != 1 or time.size != values.shape[1]:
         raise RecordError(f"{time.size} time points, but {values.shape[1]} samples")
-    if time.size > 1:
-        uniform_step(time)
+    # A rate below 1 Hz is likely a step.
+    if time.size > 1 and (step := uniform_step(time)) >= SLOWEST_STEP and (fs is None or fs < 1):
+        meant = "times are in s (milliseconds divided by 1000), fs in Hz"
+        warnings.warn(f"steps of {step:.4g} s are too slow for a suspension: {meant}", RecordWarning, stacklevel=3)
     values, names = _converted(values, names, units)
     _check_sizes(names, time, values)
     return as_response(time, values, names, title=str(getattr(data, "title", None) or ""))

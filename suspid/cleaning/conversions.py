@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
-from suspid.io import bracketed_unit
+from suspid.io import bracketed_unit, unit_in_name
 from suspid.records import like
 from suspid.signals import as_signal
 from suspid.units import STANDARD_GRAVITY, RealArray
@@ -52,7 +52,7 @@ IN_WORDS = {
     "gforce": "g", "milligal": "mgal", "metre": "m", "metres": "m", "meter": "m", "meters": "m", "millimetre": "mm",
     "millimetres": "mm", "millimeter": "mm", "millimeters": "mm", "centimetre": "cm", "centimetres": "cm",
     "centimeter": "cm", "centimeters": "cm", "inches": "inch", "mils": "mil", "feet": "ft", "volt": "v", "volts": "v",
-    "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
+    "degree": "deg", "ms2": "m/s2", "mps2": "m/s2", "mps": "m/s", "degrees": "deg", "radian": "rad", "radians": "rad",
 }  # fmt: skip
 
 # Units of temperature, which nothing here needs.
@@ -120,9 +120,13 @@ def name_in_si(name: str, unit: str) -> str:
     --------
     >>> name_in_si("seat [mm]", "m"), name_in_si("body (g)", "m/s2"), name_in_si("seat", "m"), name_in_si("a [g]", "m")
     ('seat [m]', 'body (m/s2)', 'seat', 'a [g]')
+    >>> name_in_si("seat_mm", "m"), name_in_si("acc_ms2", "m/s2")
+    ('seat_m', 'acc_ms2')
     """
-    before = bracketed_unit(name)
+    before = unit_in_name(name)
     if not before or before == unit or si_unit(before) != unit:
+        return name
+    if not bracketed_unit(name) and to_si(1.0, before)[0] == 1.0:
         return name
     at = name.rindex(before)
     return f"{name[:at]}{unit}{name[at + len(before) :]}"

@@ -28,6 +28,11 @@ def is_response(data: RecordLike) -> bool:
     return all(hasattr(data, name) for name in ("time", "y", "output_labels"))
 
 
+def is_pair(data: RecordLike) -> bool:
+    """Return whether data is a pair of time points and samples."""
+    return isinstance(data, tuple) and len(data) == 2 and not is_response(data[0]) and np.ndim(data[0]) == 1
+
+
 def samples_of(
     data: RecordLike, samples: int | None, *, own_units: bool
 ) -> tuple[RealArray, RealArray | None, list[str]]:
@@ -40,9 +45,13 @@ def samples_of(
     package = type(data).__module__.partition(".")[0]
     if package == "pandas":
         return _of_pandas(data)
+    if package in ("polars", "pyarrow") and hasattr(data, "to_pandas"):
+        return samples_of(_in_pandas(data, package), samples, own_units=own_units)
     if package == "xarray":
         return _of_xarray(data, samples, own_units=own_units)
-    if isinstance(data, tuple) and len(data) == 2 and np.ndim(data[0]) == 1 and np.shape(data[0]) != ():
+    if isinstance(data, list | tuple) and len(data) and all(map(is_response, data)):
+        raise RecordError(f"{len(data)} responses: pass one of them, or all to identify_repeats")
+    if is_pair(data):
         values = _matrix(data[1], np.size(data[0]))
         return values, time_samples(data[0], "time"), _numbered(values)
     if isinstance(data, str) or hasattr(data, "__fspath__"):
@@ -58,6 +67,14 @@ def samples_of(
     return values, None, _numbered(values)
 
 
+def _in_pandas(data: RecordLike, package: str) -> RecordLike:
+    """Return a table of another package as one of pandas."""
+    try:
+        return data.to_pandas()
+    except ImportError as missing:
+        raise RecordError(f"tables of {package} are read by way of pandas: {missing}") from None
+
+
 def _of_response(data: RecordLike) -> tuple[RealArray, RealArray, list[str]]:
     values = real_samples(data.y, "the response")
     labels = list(data.output_labels or [f"y[{i}]" for i in range(len(values))])
@@ -68,6 +85,8 @@ def _of_response(data: RecordLike) -> tuple[RealArray, RealArray, list[str]]:
             # An input that moves nothing, such as the rate of the road under a tire without damping, is no test.
             moving = [k for k in range(values.shape[1]) if np.any(values[:, k])] or [*range(values.shape[1])]
             values, traces = values[:, moving], [traces[k] for k in moving]
+            if len(set(traces)) < len(traces):
+                traces = [f"{trace} {k + 1}" for k, trace in enumerate(traces)]
             labels = [f"{label}_from_{_cause(trace)}" for label in labels for trace in traces]
         values = values.reshape(len(labels), -1)
     return values, np.asarray(data.time, float), labels
@@ -80,15 +99,24 @@ def _cause(trace: str) -> str:
 
 def _of_pandas(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
     table = data if hasattr(data, "columns") else data.to_frame(name=data.name if data.name is not None else "y[0]")
-    columns = {str(name): table[name] for name in table.columns}
+    columns = {
+        "_".join(map(str, name)) if isinstance(name, tuple) else str(name): table.iloc[:, k]
+        for k, name in enumerate(table.columns)
+    }
     if len(columns) < table.shape[1]:
         raise RecordError(f"{table.shape[1]} columns, but {len(columns)} names: name every column once")
-    time, used = _index_time(table.index), ""
+    if (levels := table.index.nlevels) > 1:
+        first = f"data.xs({table.index[0][0]!r})" if levels == 2 else "data.xs(...)"
+        raise RecordError(f"the index has {levels} levels: choose one record, as in {first}, so that the time is left")
+    time, times = _index_time(table.index), set[str]()
     for name, column in columns.items():
-        if (found := _column_time(name, column)) is not None:
-            time, used = found, name
-            break
-    kept = {name: column for name, column in columns.items() if name != used}
+        if times:
+            # Further columns of time say the same in another unit, or from another start.
+            times |= {name} if is_time(name) else set()
+        elif (found := _column_time(name, column)) is not None:
+            time = found
+            times.add(name)
+    kept = {name: column for name, column in columns.items() if name not in times}
     words = [name for name, column in kept.items() if column.dtype.kind not in "iufb"]
     if words and time is None and any(map(is_time, words)):
         name = next(filter(is_time, words))
@@ -98,9 +126,8 @@ def _of_pandas(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]
         )
     if words:
         numbers = [name for name in words if _is_number(next(iter(kept[name]), ""))]
-        ways = (
-            f"convert it, as in pandas.to_numeric(data[{numbers[0]!r}].str.replace(',', '.')), or " if numbers else ""
-        )
+        commas = ".str.replace(',', '.')" if numbers and isinstance(next(iter(kept[numbers[0]])), str) else ""
+        ways = f"convert it, as in pandas.to_numeric(data[{numbers[0]!r}]{commas}), or " if numbers else ""
         raise RecordError(
             f"columns without real numbers: {', '.join(map(repr, words[:3]))}; {ways}leave them out, as in "
             f"data.drop(columns={words[:3]!r})"

@@ -11,7 +11,8 @@ from contextlib import contextmanager
 
 import click
 
-from suspid.cli.option_names import in_options, named_elsewhere
+from suspid.cli.option_groups import Grouped
+from suspid.cli.option_names import COMMANDS_ELSEWHERE, in_options, named_elsewhere
 from suspid.cli.output import Failed, said_when_full, shown
 from suspid.errors import SuspidError
 from suspid.values import within_numbers
@@ -72,12 +73,14 @@ def check_once(command: click.Command, above: click.Context, arguments: list[str
             raise click.BadParameter("given twice; it takes one value.", ctx=ctx, param=option)
 
 
-# Commands whose output is read for the options of another one.
-FOLLOWED_BY = {"channels": "identify"}
+# Commands whose output is read for the options of another one, or that do its work without all of its options.
+FOLLOWED_BY = {"channels": "identify", "report": "estimate"}
 
 
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
+
+    command_class = Grouped
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Keep the arguments, for reports that show the command they come from."""
@@ -104,6 +107,8 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Return the command that was asked for; until it ends, all texts name its options instead of arguments."""
+        if args[0] not in self.commands and (meant := COMMANDS_ELSEWHERE.get(args[0])):
+            ctx.fail(f"No such command {args[0]!r}. Did you mean {meant!r}?")
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
             check_once(command, ctx, rest)

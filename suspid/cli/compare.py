@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.cli.measured import checked_picture, save_picture
+from suspid.cli.option_groups import Grouped
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive
 from suspid.cli.streams import FILE, FOUND, JSON_FILE
@@ -43,7 +44,7 @@ HELD_BY_FORMAT = {
 SPRINGS = {"an estimate", "a reconstruction"}
 
 
-@click.command("compare")
+@click.command("compare", cls=Grouped)
 @click.argument("before", type=FOUND, nargs=-1, required=True, metavar="BEFORE...")
 @click.argument("after", type=FOUND)
 @click.option(

@@ -11,6 +11,7 @@ import click
 
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
@@ -57,7 +58,7 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
     return {"road": road, "wheel_radius": wheel_radius}
 
 
-@click.command("drive")
+@click.command("drive", cls=Grouped)
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @click.option("--car", type=CAR, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
 @reading

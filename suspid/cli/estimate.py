@@ -12,6 +12,7 @@ import click
 from suspid.analysis import Settings, check_limits, read_limits
 from suspid.cli.fitting import GIVEN, fitted, sensing, tests_of
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
@@ -34,7 +35,7 @@ ROAD = (
 )
 
 
-@click.command("estimate")
+@click.command("estimate", cls=Grouped)
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @reading
 @click.option("--car", type=CAR, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")

@@ -16,6 +16,7 @@ from suspid.analysis import CarSettings, Settings
 from suspid.cli.commands import stopped_code
 from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
 from suspid.cli.measured import drafted, sources_of
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import analysing, packed
 from suspid.cli.output import said_warnings, say
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
@@ -35,7 +36,7 @@ OF_DRIVES = (
 OF_DECAYS = ("which", "modes", "method", "band")
 
 
-@click.command("fleet")
+@click.command("fleet", cls=Grouped)
 @click.argument("folder")
 @analysing
 @click.option(

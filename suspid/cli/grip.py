@@ -12,6 +12,7 @@ import click
 import numpy as np
 
 from suspid.cli.named_values import pairs
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import LINEARISE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from suspid.performance import Grip
 
 
-@click.command("grip")
+@click.command("grip", cls=Grouped)
 @click.argument("source", type=CAR, metavar="CAR")
 @click.option("--load", "loads", metavar="WHEEL=N", multiple=True, help="Static contact force as weighed; repeat.")
 @click.option("--amplitude", type=Positive("metres"), help="Amplitude of the platform. [0.003]")

@@ -63,7 +63,7 @@ main.add_command(tune_command)
 
 
 @main.command("reconstruct")
-@click.argument("modes", type=FOUND, nargs=-1, required=True)
+@click.argument("modes", type=FOUND, nargs=-1, metavar="MODES...")
 @click.argument("car", type=CAR)
 @wanting
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
@@ -93,6 +93,11 @@ def reconstruct_command(
     from suspid.model import car_to_toml, read_car, read_constraints
     from suspid.reconstruction import ModalTest, reconstruct, reconstruction_to_dict
 
+    if not modes:
+        # One file alone is taken for the last argument.
+        one = shown(str(car))
+        both = f"modes.json {one}" if car.suffix.lower() == ".toml" else f"{one} car.toml"
+        raise click.UsageError(f"MODES and CAR are needed: suspid reconstruct {both}")
     if car.suffix.lower() == ".json" and modes[0].suffix.lower() == ".toml":
         raise click.UsageError(
             f"MODES come first and CAR last: suspid reconstruct {shown(str(car))} {shown(str(modes[0]))}"

@@ -16,6 +16,7 @@ import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse
 from suspid.cli.commands import ARGUMENTS
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import DBC_OPTION, FS_OPTION, TIME_OPTION, analysing, progress
 from suspid.cli.output import check_apart, in_the_file, said_warnings, say, shown
 from suspid.cli.streams import FILE, JSON_FILE, RECORD
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 MOST_FINDINGS = 5
 
 
-@click.command("channels")
+@click.command("channels", cls=Grouped)
 @click.argument("file", type=RECORD)
 @TIME_OPTION
 @FS_OPTION
@@ -53,7 +54,7 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
     say(str(recording))
 
 
-@click.command("identify")
+@click.command("identify", cls=Grouped)
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @analysing
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")

@@ -87,6 +87,14 @@ CALLED_ELSEWHERE: Mapping[str, tuple[str, ...]] = {
     "-o": ("--json",),
     "-v": ("--version",),
 }
+# The same for commands; those with a line before them are options of the program.
+COMMANDS_ELSEWHERE: Mapping[str, str] = {
+    **dict.fromkeys(("analyse", "analyze", "find", "fit", "modalfit"), "identify"),
+    **dict.fromkeys(("damp", "eig", "eigenmodes"), "modes"),
+    **dict.fromkeys(("info", "list", "read", "show"), "channels"),
+    **dict.fromkeys(("optimise", "optimize"), "tune"),
+    "greyest": "estimate", "help": "--help", "version": "--version", "wear": "compare",
+}  # fmt: skip
 # Likeness of two names from which one may be meant by the other: a letter or two of a short one are wrong.
 LIKE_NAME = 0.75
 

@@ -14,6 +14,7 @@ import click
 from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, read_limits
 from suspid.cli.fitting import GIVEN, fitted, tests_of
 from suspid.cli.measured import MOST_FINDINGS, said_of, sources_of, writer
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import AT_SPEED, ON_ROAD, analysing, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Probability
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from suspid.reconstruction import Reconstruction
 
 
-@click.command("report")
+@click.command("report", cls=Grouped)
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The report to write (.html, .pdf).")
 @analysing

@@ -15,6 +15,7 @@ import numpy as np
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.named_values import pairs
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import AT_SPEED, LINEARISE, ON_ROAD, reading, road_named
 from suspid.cli.output import check_apart, said_warnings, say, shown
 from suspid.cli.quantities import Positive, Probability
@@ -45,7 +46,7 @@ GIVEN_STOPS = click.option(
 PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write a picture (.png, .svg, .pdf).")
 
 
-@click.command("ride")
+@click.command("ride", cls=Grouped)
 @click.argument("source", type=RECORD, metavar="CAR|RECORD")
 @reading
 @ON_ROAD

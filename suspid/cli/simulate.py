@@ -12,6 +12,7 @@ import numpy as np
 
 from suspid.cli.measured import record_in_words
 from suspid.cli.named_values import names_in, pairs
+from suspid.cli.option_groups import Grouped
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Finite, Positive, Profile, Whole
 from suspid.cli.streams import CAR, RECORD_FILE
@@ -31,7 +32,7 @@ MOST_SIMULATED = 50_000_000
 REST = 0.5
 
 
-@click.command("simulate")
+@click.command("simulate", cls=Grouped)
 @click.argument("car", type=CAR)
 @click.option("-o", "--output", type=RECORD_FILE, metavar="FILE", required=True, help="The record to write (.csv).")
 @click.option("--fs", type=Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")

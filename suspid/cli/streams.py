@@ -95,18 +95,25 @@ class Output(click.Path):
         return path
 
 
-class CarFile(Output):
-    """A file that a car is written to: named .toml, as only such a name is read as a car again; or a device."""
+class Named(Output):
+    """A file that is written in one format, and named so, as it is read again by its name; or a device."""
+
+    def __init__(self, suffix: str, what: str) -> None:
+        """Take the suffix, and what is written as which format."""
+        super().__init__(suffix)
+        self.what = what
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the path."""
         path: Any = super().convert(value, param, ctx)
-        device = path.exists() and not path.is_file() and not path.is_dir()
-        if path.suffix.lower() != self.suffix and not device:
-            self.fail(f"{str(path)!r}: a car is written as TOML; name it {path.stem}.toml.", param, ctx)
+        # Of a folder it is said elsewhere that it is one.
+        other = path.exists() and not path.is_file()
+        if path.suffix.lower() != self.suffix and not other:
+            self.fail(f"{str(path)!r}: {self.what}; name it {path.stem}{self.suffix}.", param, ctx)
         return path
 
 
 FILE = click.Path(path_type=Path)
 RECORD, CAR, FOUND = Input(".csv"), Input(".toml"), Input(".json")
-RECORD_FILE, CAR_FILE, JSON_FILE = Output(".csv"), CarFile(".toml"), Output(".json")
+RECORD_FILE = Output(".csv")
+CAR_FILE, JSON_FILE = Named(".toml", "a car is written as TOML"), Named(".json", "the result is written as JSON")

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from suspid.cli.named_values import names_in, pairs
+from suspid.cli.option_groups import Grouped
 from suspid.cli.options import AT_SPEED, LINEARISE, ON_ROAD, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import bounds_by_name
@@ -21,7 +22,7 @@ from suspid.files import naming, replacing
 from suspid.words.tuning import TuningCheck
 
 
-@click.command("tune")
+@click.command("tune", cls=Grouped)
 @click.argument("source", type=CAR, metavar="CAR")
 @ON_ROAD
 @AT_SPEED

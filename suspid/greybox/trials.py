@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.cleaning import is_pair
 from suspid.errors import InputError, RecordError
 from suspid.greybox.car_records import example, force_names, record_of_car, renaming
 from suspid.greybox.record_test import RecordTest
@@ -80,7 +81,7 @@ def records_of(records: object) -> list[object]:
     InputError
         If there is none.
     """
-    single = isinstance(records, RecordTest) or hasattr(records, "output_labels")
+    single = isinstance(records, RecordTest) or hasattr(records, "output_labels") or is_pair(records)
     every = [records] if single else list(records) if isinstance(records, Sequence) else [records]
     if not every:
         raise InputError("there is no record; give a control.TimeResponseData, or a sequence of them")

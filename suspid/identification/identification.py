@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from suspid.cleaning import derivative_order
+from suspid.cleaning import derivative_orders
 from suspid.errors import IdentificationError
 from suspid.identification.considered import Considered
 from suspid.identification.halves import disagreement
@@ -276,7 +276,7 @@ class Identification(Result):
 def as_displacements(modes: ModalSet) -> ComplexArray:
     """Return shapes whose velocities and accelerations are divided by the pole and its square, where names say so."""
     shapes = np.asarray(modes.shapes, complex)
-    orders = [derivative_order(name) for name in modes.channels]
+    orders = derivative_orders(modes.channels)
     # One quantity and channels that say nothing are taken to be alike.
     if len(set(orders) - {None}) < 2 or not np.all(modes.poles):
         return shapes

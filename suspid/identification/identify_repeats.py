@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.cleaning import RecordLike, as_record
+from suspid.cleaning import RecordLike, as_record, is_pair
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
@@ -146,7 +146,7 @@ def _stretches(
     names: Sequence[str],
 ) -> list[tuple[str, control.TimeResponseData]]:
     """Return each decay with its name in messages."""
-    if isinstance(response, list | tuple):
+    if isinstance(response, list | tuple) and not is_pair(response):
         if decays is not None:
             raise InputError("decays are stretches of one recording; several records are decays as they are")
         called = names or [f"record {number}" for number in range(1, len(response) + 1)]

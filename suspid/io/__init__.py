@@ -9,14 +9,15 @@ are folders of their own. Files are checked for damage before a library reads th
 from suspid.io.foreign import install_line
 from suspid.io.formats import READERS
 from suspid.io.names import LONGEST_READ as LONGEST_READ
-from suspid.io.names import bare_name, bracketed_unit, is_time
+from suspid.io.names import bare_name, bracketed_unit, is_time, unit_in_name
 from suspid.io.read_recording import read_recording
 from suspid.io.text.cells import clock_seconds
-from suspid.io.time_units import seconds_in
+from suspid.io.time_units import SLOWEST_STEP, seconds_in
 from suspid.io.write_record import check_record_name, write_record
 
 __all__ = [
     "READERS",
+    "SLOWEST_STEP",
     "bare_name",
     "bracketed_unit",
     "check_record_name",
@@ -25,5 +26,6 @@ __all__ = [
     "is_time",
     "read_recording",
     "seconds_in",
+    "unit_in_name",
     "write_record",
 ]

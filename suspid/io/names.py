@@ -65,6 +65,11 @@ LONGEST_READ = 200
 # A name and, in brackets behind it, its unit; a number there counts columns.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 
+# Units behind a name after a line or a blank. Others are words or sides as well: m, g, in, rad.
+SUFFIXED = re.compile(
+    r".*[^\W_][\s_]+((?:[mcuµμ]m|[mc]?m/s|[mc]?m/s(?:\^?2|²)|ms2|mps2?|deg(?:/s)?|dps|rad/s)|(?-i:kN))", re.IGNORECASE
+)
+
 
 def plain(text: str) -> str:
     """Return a text with single blanks, as far as a pattern is to look: patterns take the power of its length.
@@ -99,6 +104,18 @@ def bracketed_unit(name: str) -> str:
     """
     found = BRACKETED.fullmatch(plain(name))
     return found[2].strip() if found else ""
+
+
+def unit_in_name(name: str) -> str:
+    """Return the unit in brackets behind a name, or one that it ends with; empty if none is sure.
+
+    Examples
+    --------
+    >>> [unit_in_name(name) for name in ("seat [mm]", "seat_mm", "a_seat_m/s2", "front kN", "z_seat_m", "mm")]
+    ['mm', 'mm', 'm/s2', 'kN', '', '']
+    """
+    found = SUFFIXED.fullmatch(plain(name))
+    return bracketed_unit(name) or (found[1] if found else "")
 
 
 def split_unit(name: str) -> tuple[str, str]:

@@ -21,6 +21,8 @@ SLOWEST_STEP = 0.5
 # Below this step [s] in a record shorter than this [s], a stated unit is doubted: no logger of a car is so fast, and no
 # decay so short.
 FASTEST_STEP, SHORT_RECORD = 1.5e-5, 1.0
+# Shorter steps [s] in such a record, without a unit, are those of minutes at 33 Hz and more as well.
+MINUTE_STEP = 5e-4
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
 # steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
@@ -105,13 +107,15 @@ def too_fine(unit: str, stamps: RealArray) -> Remark | None:
 
 
 def unit_remark(stamps: RealArray) -> Remark | None:
-    """Return why stamps without a unit are taken for one that is not seconds; None where they are seconds.
+    """Return why stamps without a unit are taken for one that is not seconds, or doubted; None where they are seconds.
 
     Examples
     --------
     >>> rows = np.arange(100.0)
     >>> [str(unit_remark(step * rows))[:29] for step in (0.005, 2.5, 1872)]
     ['None', 'is not stated; taken as ms, a', 'is not stated; taken as us, a']
+    >>> print(unit_remark(rows / 200 / 60))
+    is not stated; taken as s: 0.0083 s at 12000 Hz; give fs=200 if they are min
     """
     unit = epoch_unit(stamps)
     if unit != "s":
@@ -120,4 +124,7 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     with np.errstate(over="ignore"):
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
-    return None if finer == "s" else Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step})
+    if finer != "s":
+        return Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step})
+    length = float(np.ptp(known)) if 0 < step < MINUTE_STEP else SHORT_RECORD
+    return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / step}) if length < SHORT_RECORD else None

@@ -16,6 +16,7 @@ from suspid.io.names import (
     counts_rows,
     is_abscissa,
     is_count,
+    unit_in_name,
 )
 from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
@@ -98,7 +99,7 @@ def as_recording(
         raw.append(
             RawChannel(
                 name=name,
-                unit=table.units.get(name, ""),
+                unit=table.units.get(name, "") or unit_in_name(name),
                 timepts=times_of,
                 values=columns[name][: times_of.size],
                 rate=own if fs is None else fs,

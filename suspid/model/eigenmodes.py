@@ -61,7 +61,8 @@ def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
 
             system = control.ss(system)
         if not hasattr(system, "A") or not hasattr(system, "output_labels"):
-            raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")
+            needed = "a control.StateSpace, a control.TransferFunction or a Suspension"
+            raise InputError(f"eigenmodes needs {needed}, not {type(system).__name__}")
         matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)
         channels, dt = tuple(system.output_labels), system.dt
     poles, vectors = np.linalg.eig(matrix)

@@ -11,6 +11,7 @@ import numpy as np
 from suspid.fleet import MOST_SHOWN, DamperTrends
 from suspid.reporting.axes import entitle, key_above, shown
 from suspid.reporting.colours import Colour
+from suspid.text_tables import figures_of
 from suspid.words import DamperState
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
     from suspid.fleet import Distribution, FleetSummary, Trend
     from suspid.performance import Wear
+
+# Significant digits of a median, those of the table beside.
+MEDIAN_DIGITS = 5
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,10 +51,14 @@ def draw_distribution(found: Distribution, ax: Axes) -> None:
         edgecolor=Colour.BLUE,
         linewidth=0.6,
     )
-    ax.axvline(found.median, color=Colour.VERMILION, linewidth=1.2, label=f"median {found.median:.4g}")
+    ax.axvline(
+        found.median, color=Colour.VERMILION, linewidth=1.2, label=f"median {figures_of(found.median, MEDIAN_DIGITS)}"
+    )
     ax.set(xlabel=f"{shown(found.quantity)} [{shown(found.unit)}]", ylabel="records")
     key_above(ax)
-    ax.locator_params(axis="x", nbins=5)
+    # Values of one fleet differ in their last digits: whole numbers are as wide as the room of three.
+    ax.locator_params(axis="x", nbins=3)
+    ax.ticklabel_format(axis="x", useOffset=False)
     ax.locator_params(axis="y", nbins=3, integer=True)
 
 
@@ -106,7 +114,7 @@ def draw_losses(found: DamperTrends | Wear, ax: Axes) -> None:
     """Draw what each damper has lost with its interval, and the limits of the rule as dotted lines."""
     marks = (100 * found.rule.small, 100 * found.rule.large)
     draw_intervals(losses_of(found), ax, label="damping lost [%]", marks=marks)
-    entitle(ax, f"dotted: with certainty above {marks[0]:g} % is worn, with certainty below {marks[1]:g} % is good")
+    entitle(ax, f"dotted: worn if the interval is above {marks[0]:g} %, good if below {marks[1]:g} %")
 
 
 def draw_fleet(found: FleetSummary, ax: Axes) -> None:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 MOST_OF_LABEL = 60
 # Width of the first of several lines of parameters [point].
 WIDEST_LINE = 3.0
+# Room for an entry of the key, a name with two values and their unit [inch].
+WIDEST_ENTRY = 3.3
 
 
 @explained
@@ -68,7 +70,10 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
                    label=f"{shown(name)} ({values})")  # fmt: skip
     lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
     lower.set(xlabel=_label(found, 0), ylabel="value / at the knee [1]")
-    lower.legend(fontsize="x-small", framealpha=0.8)
+    # A key inside hides lines on a phone: it has a row for each parameter, as wide as the panel.
+    width = float(figure.bbox.width / figure.dpi)
+    figure.legend(*lower.get_legend_handles_labels(), loc="outside lower right", fontsize="x-small", frameon=False,
+                  ncols=max(1, int(width / WIDEST_ENTRY)))  # fmt: skip
     upper.set_xlabel("")
     lower.grid(color=Colour.SHADE, linewidth=0.6)
     lower.margins(0.05)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.cleaning import MOTION_OF_UNIT, named_quantity, to_si
+from suspid.cleaning import MOTION_OF_UNIT, named_quantities, to_si
 from suspid.errors import InputError
 from suspid.model import scaled_shapes
 from suspid.units import ComplexArray
@@ -65,7 +65,7 @@ def shape_groups(modes: ModalSet, units: Sequence[str] | None) -> tuple[ShapeGro
     known = [unit.strip() for unit in units or [""] * len(shapes)]
     if len(modes.channels) == len(known):
         # Without a unit the scale is not known: such channels are kept apart by what their names say.
-        known = [unit or named_quantity(name) for unit, name in zip(known, modes.channels, strict=True)]
+        known = [unit or quantity for unit, quantity in zip(known, named_quantities(modes.channels), strict=True)]
     if len(known) != len(shapes):
         raise InputError(f"{len(known)} units for {len(shapes)} channels: give one for each")
     if len(set(known)) == 1:

@@ -40,6 +40,15 @@ class Note(Code):
     NOT_CONVERTED = "not converted", "channel {channel!r} was not converted: {why}"
     VERTICAL = "vertical", "{found}"
     WHOLE_RECORD = "whole record", _stands_out
+    OUTSIDE = (
+        "outside",
+        sentence(
+            lambda n: (
+                f"the record lasts from {moment(float(str(n['first'])))} to {moment(float(str(n['last'])))} s; "
+                f"{Argument('start')} or {Argument('stop')} is outside of it"
+            )
+        ),
+    )
     DECAY_USED = (
         "decay used",
         sentence(

@@ -136,6 +136,15 @@ class LeftOut(Code):
             )
         ),
     )
+    SHORT_SECONDS = (
+        "short_seconds",
+        sentence(
+            lambda n: (
+                f"is not stated; taken as s: {n['length']:.2g} s at {n['rate']:.6g} Hz; "
+                f"give {Argument('fs', format(n['rate'] / 60, '.6g'))} if they are min"
+            )
+        ),
+    )
     OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
     OUTVOTED = (
         "outvoted",
@@ -185,5 +194,6 @@ DAMAGE = frozenset(
         LeftOut.WINDOWS_1252,
         LeftOut.FINER_UNIT,
         LeftOut.TOO_FINE,
+        LeftOut.SHORT_SECONDS,
     }
 )
