@@ -422,3 +422,11 @@ class TestAnyBytes:
             channels = ()
         assert message.isprintable()
         assert all(channel.values.size == channel.timepts.size for channel in channels)
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_delimiters_at_the_end_of_single_rows_hold_nothing(mark: str, tmp_path: Path) -> None:
+    rows = [f"{k / 100}{mark}{k * k}" + (mark * 2 if k in (3, 7) else "") for k in range(12)]
+    (tmp_path / "r.csv").write_text("\n".join([f"t{mark}seat", *rows]) + "\n", encoding="utf-8")
+    record = read_record(tmp_path / "r.csv")
+    np.testing.assert_array_equal(record.y[0], np.arange(12.0) ** 2)

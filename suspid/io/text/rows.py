@@ -183,6 +183,9 @@ def _is_row(text: str, layout: Layout) -> bool:
     if not layout.names[-1]:
         # The delimiter at the end of a row may be absent, but nothing may follow it.
         return len(cells) == width - 1 or (len(cells) == width and not cells[-1])
+    # Delimiters at the end of single rows hold nothing.
+    if not any(cells[width:]):
+        cells = cells[:width]
     kinds = {kind_of(cell, comma=layout.dialect.comma) for cell in cells}
     return len(cells) == width and not kinds <= {"text", "date"}
 
