@@ -57,6 +57,7 @@ ABSCISSA = {"x", "axis", "value", "values", "data"}
 CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
+COUNTERS |= {"frame", "frames", "framenumber", "frameno", "idx", "id", "point", "record", "scan", "rownumber", "rowid"}
 # The index of a data frame, as pandas reads it again.
 UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
 # Characters of a name or of a line that patterns are tried on, whose time grows with their square. Longer ones are no
@@ -228,7 +229,7 @@ def counts_rows(name: str, values: RealArray) -> bool:
     Examples
     --------
     >>> import numpy as np
-    >>> counts_rows("Sample", np.arange(3.0)), counts_rows("seat", np.arange(3.0)), counts_rows("#", np.ones(3))
+    >>> counts_rows("frame", np.arange(3.0)), counts_rows("seat", np.arange(3.0)), counts_rows("#", np.ones(3))
     (True, False, False)
     """
     named = split_unit(name)[0] in COUNTERS or UNNAMED.fullmatch(name) is not None
