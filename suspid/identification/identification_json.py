@@ -50,6 +50,18 @@ def identification_to_dict(identification: Identification, *, file: str, warning
             }
             for each in identification.amplitude_dependence
         ],
+        "considered": [
+            {
+                "pole_rad_per_s": [c.pole.real, c.pole.imag],
+                "frequency_hz": abs(c.pole) / (2 * np.pi),
+                "wn_rad_per_s": abs(c.pole),
+                "zeta": -c.pole.real / abs(c.pole) if c.pole else 0.0,
+                "reason": c.reason,
+                "remark": c.remark.to_dict(),
+                "removed": c.removed,
+            }
+            for c in identification.considered
+        ],
         "noise_std": identification.noise_std.tolist(),
         "explained": identification.explained.tolist(),
         "ridges": [

@@ -15,9 +15,9 @@ An object with
   shapes, mode by mode and channel by channel; or null.
 
 The command adds ``record`` (file, channels, samples, ``rate_hz``, ``start_s``), ``method``, ``forces`` (other than
-linear ones) and ``amplitude_dependence`` of each mode, both empty for a linear decay, ``noise_std`` and ``explained``
-by channel of the record, ``ridges`` with the window of each (``start_s``, ``stop_s``, ``ends_at``),
-``warnings``, and the version as ``suspid``.
+linear ones) and ``amplitude_dependence`` of each mode, both empty for a linear decay, ``considered`` (poles that are no
+modes, each with the reason), ``noise_std`` and ``explained`` by channel of the record, ``ridges`` with the window of
+each (``start_s``, ``stop_s``, ``ends_at``), ``warnings``, and the version as ``suspid``.
 
 A file written by hand, in JSON or TOML, needs ``modes`` alone, each with ``zeta`` and ``wn_rad_per_s`` or
 ``frequency_hz``, and with both standard deviations or neither.

@@ -69,7 +69,6 @@ def report_to_dict(found: Identification | Analysis | Content | EstimateContent)
         "quality": _quality(shown, content.level),
         "units": list(content.units),
         "lag_1_correlation": shown.whiteness.tolist(),
-        "considered": _considered(shown),
         "wavelet": {"bandwidth": shown.scalogram.wavelet.bandwidth, "whole_record": is_whole(shown)},
         "findings": None if content.cleaned is None else _findings(content.cleaned),
         "decays": _decays(content),
@@ -126,21 +125,6 @@ def _quality(shown: Identification, level: Ratio) -> list[dict[str, object]]:
             "residual_over_noise": float(shown.loudness[k]),
         }
         for k, kind in enumerate(modes.kinds)
-    ]
-
-
-def _considered(shown: Identification) -> list[dict[str, object]]:
-    return [
-        {
-            "pole_rad_per_s": [c.pole.real, c.pole.imag],
-            "frequency_hz": abs(c.pole) / (2 * np.pi),
-            "wn_rad_per_s": abs(c.pole),
-            "zeta": -c.pole.real / abs(c.pole) if c.pole else 0.0,
-            "reason": c.reason,
-            "remark": c.remark.to_dict(),
-            "removed": c.removed,
-        }
-        for c in shown.considered
     ]
 
 
