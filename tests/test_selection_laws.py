@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from suspid import Identification, identify
+from suspid.identification import identify_linear
 from suspid.identification.ascent import maximize
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
@@ -274,7 +275,7 @@ class TestColour:
         k = np.arange(2000)
         values = (np.exp(-0.003 * k) * np.cos(0.2 * k + 1.2e-6 * k**2))[None] + white(9, 2e-3, 1, 2000)
         t = k / 100.0
-        found = identify(as_response(t, values, ["y"]))
+        found = identify_linear(as_response(t, values, ["y"]))
         assert len(found.modes) == 1
         assert found.loudness[0] > 2.5
         assert found.halves[0] > 2

@@ -109,8 +109,9 @@ def as_record(
         )
     if time.ndim != 1 or time.size != values.shape[1]:
         raise RecordError(f"{time.size} time points, but {values.shape[1]} samples")
-    # A rate below 1 Hz is likely a step.
-    if time.size > 1 and (step := uniform_step(time)) >= SLOWEST_STEP and (fs is None or fs < 1):
+    # A rate below 1 Hz is likely a step. A column of a table states its unit, or is asked for it.
+    own = fs is None is timepts and not isinstance(data, tuple)
+    if time.size > 1 and (step := uniform_step(time)) >= SLOWEST_STEP and not own and (fs is None or fs < 1):
         meant = "times are in s (milliseconds divided by 1000), fs in Hz"
         warnings.warn(f"steps of {step:.4g} s are too slow for a suspension: {meant}", RecordWarning, stacklevel=3)
     values, names = _converted(values, names, units)
