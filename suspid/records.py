@@ -50,6 +50,21 @@ def like(
     return made if isinstance(record, Samples) else made.response
 
 
+def of_channels(record: control.TimeResponseData, names: Sequence[str]) -> control.TimeResponseData:
+    """Return a record of some of its channels, in the order of the names.
+
+    Examples
+    --------
+    >>> both = as_response(np.arange(2.0), np.array([[1.0, 2.0], [3.0, 4.0]]), ["seat", "tire"])
+    >>> of_channels(both, ["tire"]).y.tolist()
+    [[3.0, 4.0]]
+    """
+    signal = as_signal(record)
+    rows = [signal.channels.index(name) for name in names]
+    title = str(getattr(record, "title", None) or "")
+    return like(record, signal.timepts, signal.values[rows], names, title=title)
+
+
 def inputs_of(response: control.TimeResponseData) -> dict[str, RealArray]:
     """Return the inputs of a response of one trace by name; empty where it has none.
 

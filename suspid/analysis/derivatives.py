@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.levels import SEVEN_DIGITS
-from suspid.records import like
+from suspid.records import of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray, Second
 from suspid.words import Note, Remark
@@ -57,10 +57,8 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
         Remark(code, {"channel": signal.channels[k], "source": signal.channels[source]})
         for k, (source, code) in sources.items()
     )
-    rows = [k for k in range(len(signal.channels)) if k not in sources]
-    kept = [signal.channels[k] for k in rows]
-    title = str(getattr(record, "title", None) or "")
-    return like(record, signal.timepts, signal.values[rows], kept, title=title), notes
+    kept = [name for k, name in enumerate(signal.channels) if k not in sources]
+    return of_channels(record, kept), notes
 
 
 def _sources(values: RealArray, step: Second) -> dict[int, tuple[int, Note]]:

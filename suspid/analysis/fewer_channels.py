@@ -14,7 +14,7 @@ from suspid.analysis.used import Used
 from suspid.decays import DRIVEN
 from suspid.errors import SuspidError
 from suspid.identification import Identification
-from suspid.records import like
+from suspid.records import of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import Level, Note, Remark
@@ -49,10 +49,10 @@ def with_fewer_channels(
     before = Level.NONE if found is None else _level(found, used)
     if found is None or before > Level.DOUBTFUL:
         return used
-    tries = _fewer(names, _left(found)) if len(found.modes) else _alone(names, _beside_peak(found))
+    tries = _fewer(names, found.explained) if len(found.modes) else _alone(names, _beside_peak(found))
     for kept in tries:
         try:
-            fewer = stretch_of(_of_channels(record, kept), settings)
+            fewer = stretch_of(of_channels(record, kept), settings)
         except SuspidError:
             continue
         again = fewer.identification or tried(fewer.record, settings)
@@ -72,13 +72,6 @@ def _level(found: Identification, used: Used) -> Level:
     return min([found.verdict.level, *(doubt.level for doubt in doubts)])
 
 
-def _left(found: Identification) -> RealArray:
-    """Return the share of the motion of each channel that a fit leaves, root mean square, (channel,)."""
-    values, left = as_signal(found.response).values, as_signal(found.residual).values
-    motion = values - values.mean(axis=1, keepdims=True)
-    return np.asarray(np.sqrt(np.sum(left**2, axis=1) / np.maximum(np.sum(motion**2, axis=1), 1e-300)))
-
-
 def _beside_peak(found: Identification) -> RealArray:
     """Return the share of the energy of each channel that lies outside half an octave about its peak, (channel,)."""
     values = as_signal(found.response).values
@@ -91,21 +84,15 @@ def _beside_peak(found: Identification) -> RealArray:
     return np.asarray(1 - np.sum(power * near, axis=1) / np.maximum(np.sum(power, axis=1), 1e-300))
 
 
-def _fewer(names: tuple[str, ...], left: RealArray) -> list[list[str]]:
+def _fewer(names: tuple[str, ...], explained: RealArray) -> list[list[str]]:
     """Return the sets of channels to try: those that a fit explains, and the one that it explains best."""
-    explained = [name for name, share in zip(names, left, strict=True) if share <= max(DRIVEN, float(np.min(left)))]
-    best = [names[int(np.argmin(left))]]
-    return [kept for kept in ([explained] if explained != best else []) + [best] if len(kept) < len(names)]
+    most = float(np.max(explained))
+    kept = [name for name, share in zip(names, explained, strict=True) if share >= min(1 - DRIVEN**2, most)]
+    best = [names[int(np.argmax(explained))]]
+    return [tried for tried in ([kept] if kept != best else []) + [best] if len(tried) < len(names)]
 
 
 def _alone(names: tuple[str, ...], strays: RealArray) -> list[list[str]]:
     """Return single channels to try where no mode was found: those whose motion is most of one frequency."""
     order = np.argsort(strays, kind="stable")[:TRIED_ALONE].tolist()
     return [[names[k]] for k in order if strays[k] < STRAY]
-
-
-def _of_channels(record: control.TimeResponseData, kept: list[str]) -> control.TimeResponseData:
-    signal = as_signal(record)
-    rows = [signal.channels.index(name) for name in kept]
-    title = str(getattr(record, "title", None) or "")
-    return like(record, signal.timepts, signal.values[rows], kept, title=title)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.levels import EXACT
-from suspid.records import like
+from suspid.records import of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import Note, Remark
@@ -46,7 +46,6 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
     kept = [name for name in moving if not COMMAND.search(name)] or moving
     if not kept or len(kept) == len(signal.channels):
         return record, ()
-    rows = [signal.channels.index(name) for name in kept]
     notes = tuple(
         Remark(Note.COMMAND_CHANNEL, {"channel": name})
         if number is None
@@ -54,8 +53,7 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
         for name, number in jumps.items()
         if name not in kept
     )
-    title = str(getattr(record, "title", None) or "")
-    return like(record, signal.timepts, signal.values[rows], kept, title=title), notes
+    return of_channels(record, kept), notes
 
 
 def _jumps(samples: RealArray) -> int | None:

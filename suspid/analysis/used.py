@@ -10,7 +10,7 @@ import numpy as np
 from suspid.analysis.past_clipping import past_clipping
 from suspid.decays import Decay, Decays
 from suspid.identification import Identification
-from suspid.records import cut, like
+from suspid.records import cut, of_channels
 from suspid.signals import as_signal
 from suspid.words import Note, Remark
 
@@ -46,5 +46,4 @@ def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData,
         return record, []
     kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
     notes = [Remark(Note.STILL_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept]
-    title = str(getattr(record, "title", None) or "")
-    return like(record, signal.timepts, signal.values[moving], kept, title=title), notes
+    return of_channels(record, kept), notes
