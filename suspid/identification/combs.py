@@ -67,7 +67,7 @@ def shared_frequency(tones: RealArray, reach: float) -> float | None:
         nearest = float(numbers @ tones[teeth] / (numbers @ numbers))
         held = int(np.sum(_off(tones, nearest) < reach))
         if held >= FEWEST_TEETH and held > MOST_OF_THEM * len(tones):
-            return round(nearest, 9)
+            return nearest
     return None
 
 

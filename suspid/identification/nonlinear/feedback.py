@@ -120,14 +120,15 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
         if trial is not None
     ]
     best = _best(record, best, trials)
-    first, needed = True, 0.0
-    while best.forces and (first or best.count == 1):
+    # What a further kind must lower the BIC by: the second one anything, more than two only where the mode is single.
+    needed = 0.0
+    while best.forces and (not needed or best.count == 1):
         motions, present = motions_of(best), {force.kind for force in best.forces}
         more = [added(record, best, kind, motions) for kind in ForceKind if kind not in present]
         further = _best(record, best, [trial for trial in more if trial is not None])
         if further is best or further.fit.bic > best.fit.bic - needed:
             break
-        best, first, needed = further, False, plain.residual.size * np.log(LEAST_FALL)
+        best, needed = further, plain.residual.size * np.log(LEAST_FALL)
     return best
 
 
