@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from suspid import analyse
+from suspid import Analysis, analyse
 from suspid.decays.fading import decay_of_fading, falling
+from suspid.identification import AmplitudeDependence
 from suspid.signals import Signal
 from suspid.words import DecayDoubt
 
@@ -30,23 +31,37 @@ def written(path: Path, amplitude: float) -> Path:
         g, k = slope(x + h * e, v + h * f)
         x, v = x + h / 6 * (a + 2 * c + 2 * e + g), v + h / 6 * (b + 2 * d + 2 * f + k)
     noisy = np.array(angles) + 0.002 * np.random.default_rng(1).standard_normal(len(angles))
-    rows = [f"{n / RATE:.3f},{angle:.5f}" for n, angle in enumerate(noisy)]
+    return recorded(path, noisy)
+
+
+def recorded(path: Path, angles: np.ndarray) -> Path:
+    """Write angles as a file."""
+    rows = [f"{n / RATE:.3f},{angle:.5f}" for n, angle in enumerate(angles)]
     path.write_text("\n".join(["time [s],angle [rad]", *rows]) + "\n")
     return path
+
+
+def one_mode(found: Analysis, *, rtol: float) -> tuple[AmplitudeDependence, np.ndarray, np.ndarray]:
+    """Check the frequencies of a single mode; return it, and which amplitudes are large, with the exact frequencies.
+
+    Below 0.1 rad noise counts.
+    """
+    assert len(found.modes) == 1
+    assert found.verdict.level.label == "care"
+    (mode,) = found.identification.amplitude_dependence
+    exact = WN * np.pi / (2 * ellipk(np.sin(mode.amplitude / 2) ** 2))
+    large = mode.amplitude > 0.1
+    assert np.sum(large) > 3
+    np.testing.assert_allclose(mode.wn[large], exact[large], rtol=rtol)
+    return mode, large, exact
 
 
 @pytest.mark.slow
 def test_a_pendulum_has_one_mode_whose_frequency_falls_with_its_swing(tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "swing.csv", 1.6))
-    assert len(found.modes) == 1
     assert DecayDoubt.LATER in {doubt.code for doubt in found.used[0].doubts}
-    assert found.verdict.level.label == "care"
-    (mode,) = found.identification.amplitude_dependence
-    exact = WN * np.pi / (2 * ellipk(np.sin(mode.amplitude / 2) ** 2))
-    # A cubic spring is not quite the sine: half a percent, less than the frequency changes. Below 0.1 rad noise counts.
-    large = mode.amplitude > 0.1
-    assert np.sum(large) > 3
-    np.testing.assert_allclose(mode.wn[large], exact[large], rtol=0.005)
+    # A cubic spring is not quite the sine: half a percent, less than the frequency changes.
+    one_mode(found, rtol=0.005)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -77,17 +92,7 @@ def test_friction_drag_and_large_swings_together_are_one_mode(tmp_path: Path, am
     time = np.arange(40 * RATE) / RATE
     swing = solve_ivp(slope, (0.0, time[-1]), [amplitude, 0.0], t_eval=time, rtol=1e-9, atol=1e-10, method="LSODA").y[0]
     steps = np.round(swing / 0.0015) * 0.0015
-    path = tmp_path / "encoder.csv"
-    rows = [f"{t:.3f},{angle:.5f}" for t, angle in zip(time, steps, strict=True)]
-    path.write_text("\n".join(["time [s],angle [rad]", *rows]) + "\n")
-    found = analyse(path)
-    assert len(found.modes) == 1
-    assert found.verdict.level.label == "care"
-    (mode,) = found.identification.amplitude_dependence
-    exact = WN * np.pi / (2 * ellipk(np.sin(mode.amplitude / 2) ** 2))
-    large = mode.amplitude > 0.1
-    assert np.sum(large) > 3
-    np.testing.assert_allclose(mode.wn[large], exact[large], rtol=0.002)
+    mode, large, exact = one_mode(analyse(recorded(tmp_path / "encoder.csv", steps)), rtol=0.002)
     # Decay rates of the work over a cycle: of a damper, of drag and of friction.
     size = mode.amplitude[large]
     lost = DAMPING + 4 / (3 * np.pi) * drag * size * exact[large] + 2 * friction / (np.pi * size * exact[large])
