@@ -1,6 +1,8 @@
 """Events that are no decays: those beside a decay speak against it, what rises within it is part of it."""
 
+import importlib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -37,3 +39,19 @@ def test_events_beside_a_decay_speak_against_it(decay: Decay) -> None:
     beside = [decay.start - 0.1 * k for k in range(1, 7)]
     doubts = _in_company(decay, [decay], events(decay, beside)).doubts
     assert [doubt.code for doubt in doubts] == [DecayDoubt.COMPANY]
+
+
+@pytest.mark.parametrize(("hertz", "doubted"), [((1.2, 1.22, 1.19, 1.25), False), ((1.2, 1.5, 1.9, 2.4), True)])
+def test_releases_that_share_no_mode_are_no_company(
+    decay: Decay, hertz: tuple[float, ...], doubted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of eight pushes four seem to be followed by a decay: of one body, or of a drive that shows another each time."""
+    module = importlib.import_module("suspid.decays.find_decays")
+    made = [replace(decay, wn=np.array([2 * np.pi * f])) for f in hertz]
+    left = iter(made)
+    monkeypatch.setattr(module, "releases", lambda *_: ([(100 * k, 100 * k + 90) for k in range(4)], 8))
+    monkeypatch.setattr(module, "examined", lambda *_, **__: ([next(left)], []))
+    monkeypatch.setattr(module, "_given", lambda *_: None)
+    recording = SimpleNamespace(signal=SimpleNamespace(start=0.0, step=0.01), finest=None, bands=None)
+    found = module._let_go(recording)
+    assert [any(doubt.code is DecayDoubt.COMPANY for doubt in one.doubts) for one in found] == [doubted] * 4
