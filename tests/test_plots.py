@@ -23,6 +23,7 @@ from suspid import (
     ModalSet,
     Scalogram,
     add_noise,
+    as_record,
     cwt,
     find_ridges,
     free_decay,
@@ -42,6 +43,7 @@ from suspid.reporting import (
 )
 from suspid.reporting.axes import PIECES_AN_INCH, decade_ticks, unit_ticks
 from suspid.reporting.plot_shapes import FULL_BAR
+from suspid.reporting.thinning import first_cycles
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.wavelets import ABOVE_NOISE, fit_skeleton
@@ -226,6 +228,20 @@ class TestSkeletons:
                 # Phases of a thousand radians are taken off each other; 1e-9 is far above that rounding.
                 assert np.allclose(phase[ridge.trusted] - turning, left, rtol=0, atol=1e-9)
 
+    def test_phases_of_noise_are_not_drawn_outside_the_window(self, scalogram: Scalogram) -> None:
+        ridges = find_ridges(scalogram, count=3)
+        axes = Figure().subplots(2, 3)
+        plot_skeletons(ridges, axes=axes)
+        hidden = 0
+        for k, ridge in enumerate(ridges):
+            noise = np.abs(ridge.skeleton) <= ABOVE_NOISE * np.asarray(ridge.floor)[:, np.newaxis]
+            phases = [y for x, y in map(coordinates, axes[1, k].get_lines()) if len(x) == len(ridge.timepts)]
+            for channel in range(3):
+                left = noise[channel] & ~ridge.trusted
+                assert np.array_equal(np.isnan(phases[channel]), left)
+                hidden += int(left.sum())
+        assert hidden > 0
+
     def test_turns_of_the_phase_outside_the_window_do_not_shift_what_is_inside(self, scalogram: Scalogram) -> None:
         (ridge,) = find_ridges(scalogram, count=1)
         before = np.clip((ridge.window.start - ridge.timepts) / (ridge.window.start - ridge.timepts[0]), 0, 1)
@@ -286,6 +302,21 @@ class TestFit:
         signal = as_signal(identification.response)
         kept = (signal.timepts >= 6) & (signal.timepts <= 7)
         assert is_drawn(ax, signal.timepts[kept], signal.values[2, kept])
+
+    @pytest.mark.parametrize(("hertz", "enlarged"), [((1.0, 10.0), 0.6), ((2.0, 10.0), 3.0), ((1.0, 1.1), None)])
+    def test_the_cycles_enlarged_are_of_the_slowest_mode_that_leaves_most_of_the_record_out(
+        self, hertz: tuple[float, float], enlarged: float | None
+    ) -> None:
+        """Six cycles of 1 Hz are all of six seconds: where there is no faster mode, nothing is drawn twice."""
+        t = np.arange(0, 6, 0.01)
+        waves = [np.exp(-0.4 * t) * np.sin(2 * np.pi * f * t + k) for k, f in enumerate(hertz)]
+        noise = 0.01 * np.random.default_rng(1).normal(size=(2, len(t)))
+        found = identify(as_record([waves[0] + waves[1], waves[0] - 2 * waves[1]] + noise, timepts=t), modes=2)
+        span = first_cycles(found)
+        # The frequencies found are off by far less than 1 %.
+        assert span is None if enlarged is None else span == pytest.approx((0.0, enlarged), rel=0.01)
+        page = plot_identification(found, Figure(figsize=PAGE))
+        assert ("first cycles" in [ax.get_title(loc="left") for ax in page.axes]) == (enlarged is not None)
 
     def test_a_long_record_keeps_every_extreme(self) -> None:
         rng = np.random.default_rng(5)

@@ -154,8 +154,7 @@ def _draw_entropy(search: BandwidthSearch, figure: Figure) -> None:
 def _fits(found: Identification, units: Sequence[str]) -> Iterator[tuple[Picture, ...]]:
     """Draw the record of each channel: the whole, and the first cycles where these are much shorter."""
     signal, span = as_signal(held(found, "response")), first_cycles(found)
-    # The first cycles are drawn apart where they are a small part of the record.
-    spans = [None, span] if span[1] - span[0] < 0.6 * signal.duration else [None]
+    spans = [None] if span is None else [None, span]
     for k, (name, unit) in enumerate(zip(signal.channels[:MOST_CHANNELS], units, strict=False)):
         described = f"Record, fit and residual of channel {k + 1}"
         yield tuple(

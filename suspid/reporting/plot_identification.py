@@ -185,7 +185,7 @@ def _draw_fit(
     spec: SubplotSpec,
     units: Sequence[str] | None,
 ) -> Axes:
-    """Draw few channels whole and over the first cycles; many in two columns. Return the first of the Axes."""
+    """Draw few channels whole and, where there are any to enlarge, their first cycles; many in two columns. Return the first of the Axes."""
     rows = _fit_rows(len(names))
     if len(names) > ABREAST:
         grid = _subplots(spec, rows, 2)
@@ -195,13 +195,15 @@ def _draw_fit(
         for column in grid.T:
             column[-1].set_xlabel("time [s]")
         return without_legend(grid[0, 0])
-    grid = _subplots(spec, rows, 2, widths=[3, 2])
+    span = first_cycles(identification, onset)
+    grid = _subplots(spec, rows, 1) if span is None else _subplots(spec, rows, 2, widths=[3, 2])
     plot_fit(identification, axes=grid[:, 0], channels=names, units=units)
-    plot_fit(identification, axes=grid[:, 1], channels=names, span=first_cycles(identification, onset))
-    for ax in grid[:, 1]:
-        ax.set_title("first cycles", loc="left")
-        ax.set_ylabel("")
-    without_legend(grid[0, 1])
+    if span is not None:
+        plot_fit(identification, axes=grid[:, 1], channels=names, span=span)
+        for ax in grid[:, 1]:
+            ax.set_title("first cycles", loc="left")
+            ax.set_ylabel("")
+        without_legend(grid[0, 1])
     return without_legend(grid[0, 0])
 
 

@@ -23,7 +23,8 @@ def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | 
 
     The window of the fit is shaded. The modulus is drawn on a logarithmic scale, with the level below which noise
     prevails (dotted). From the phase of each channel its value at the onset and the ridge's frequency times the
-    time since then are subtracted: what remains shows the deviations.
+    time since then are subtracted: what remains shows the deviations. Outside the
+    window, phases of noise are not drawn.
 
     Parameters
     ----------
@@ -98,14 +99,14 @@ def _plot_phase(ridge: Ridge, fit: SkeletonFit, ax: Axes) -> None:
         fitted = fit.logarithm[i].imag - reference - fit.origin[i].imag
         # Unwrapping starts in the noise or at the edge: whole turns are taken from the trusted samples.
         phase += fitted[0] - phase[np.argmax(ridge.trusted)]
+        clear = np.abs(ridge.skeleton[i]) > ABOVE_NOISE * ridge.floor[i]
         ax.plot(
-            *thinned(ax, ridge.timepts, phase),
+            *thinned(ax, ridge.timepts, np.where(clear | ridge.trusted, phase, np.nan)),
             color=CHANNEL_COLOURS[i % len(CHANNEL_COLOURS)],
             linewidth=1.6,
             alpha=0.6,
         )
-        clear = np.abs(ridge.skeleton[i, ridge.trusted]) > ABOVE_NOISE * ridge.floor[i]
-        reach = max(reach, float(np.max(np.abs(fitted[clear]), initial=0.0)))
+        reach = max(reach, float(np.max(np.abs(fitted[clear[ridge.trusted]]), initial=0.0)))
     line = (fit.pole.imag - ridge.omega) * (fit.timepts - ridge.onset)
     ax.plot(*thinned(ax, fit.timepts, line), color=Colour.BLACK, linewidth=0.8, linestyle="--")
     ax.set(xlabel="time [s]", xlim=(ridge.timepts[0], ridge.timepts[-1]), ylim=(-1.3 * reach, 1.3 * reach))

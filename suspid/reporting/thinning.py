@@ -24,6 +24,8 @@ PIECES = 2000
 MOST_SAMPLES = 40_000
 # With many channels each keeps at least this many samples: fewer show no decay.
 FEWEST_DRAWN = 1024
+# Cycles of a mode that are drawn enlarged, and the share of the record below which that shows more than the whole.
+CYCLES, SMALL_PART = 6.0, 0.6
 
 
 def extremes(time: RealArray, values: RealArray, *, pieces: int = PIECES) -> tuple[RealArray, RealArray]:
@@ -44,14 +46,17 @@ def extremes(time: RealArray, values: RealArray, *, pieces: int = PIECES) -> tup
     return time[index], values[index]
 
 
-def first_cycles(identification: Identification, onset: Second | None = None) -> tuple[Second, Second]:
-    """Return the span of the first cycles of the slowest mode, from the onset (default: the first sample) on [s]."""
+def first_cycles(identification: Identification, onset: Second | None = None) -> tuple[Second, Second] | None:
+    """Return the span of the first cycles of a mode, from the onset (default: the first sample) on [s].
+
+    The mode is the slowest of which six cycles are a small part of the record. Where there is none, there is nothing
+    to enlarge.
+    """
     signal, poles = as_signal(held(identification, "response")), identification.modes.poles
     start = signal.start if onset is None else onset
-    oscillating = poles.imag[poles.imag > 0]
-    # Six cycles of the slowest mode are drawn enlarged.
-    cycles = 6.0 * 2 * np.pi / float(np.min(oscillating)) if len(oscillating) else signal.duration
-    return start, min(start + max(cycles, 20 * signal.step), signal.start + signal.duration)
+    spans = np.maximum(CYCLES * 2 * np.pi / poles.imag[poles.imag > 0], 20 * signal.step)
+    short = spans[spans < SMALL_PART * signal.duration]
+    return (start, min(start + float(short.max()), signal.start + signal.duration)) if short.size else None
 
 
 def pooled(scalogram: Scalogram, weights: RealArray, edges: RealArray) -> RealArray:
