@@ -185,7 +185,7 @@ def _draw_fit(
     spec: SubplotSpec,
     units: Sequence[str] | None,
 ) -> Axes:
-    """Draw few channels whole and, where there are any to enlarge, their first cycles; many in two columns. Return the first of the Axes."""
+    """Draw few channels whole and over the first cycles; many in two columns. Return the first of the Axes."""
     rows = _fit_rows(len(names))
     if len(names) > ABREAST:
         grid = _subplots(spec, rows, 2)
