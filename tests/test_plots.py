@@ -317,7 +317,7 @@ class TestFit:
         # The frequencies found are off by far less than 1 %.
         assert span is None if enlarged is None else span == pytest.approx((0.0, enlarged), rel=0.01)
         page = plot_identification(found, Figure(figsize=PAGE))
-        assert ("first cycles" in [ax.get_title(loc="left") for ax in page.axes]) == (enlarged is not None)
+        assert ("beginning, enlarged" in [ax.get_title(loc="left") for ax in page.axes]) == (enlarged is not None)
 
     def test_a_long_record_keeps_every_extreme(self) -> None:
         rng = np.random.default_rng(5)

@@ -292,6 +292,18 @@ class TestPaper:
         assert {(round(float(width)), round(float(height))) for width, height in boxes} == {(595, 842)}
         result.page.close()
 
+    def test_all_pictures_are_printed_at_one_scale(self, browser: Browser, file: Path) -> None:
+        # A4 less the margins, at 96 dots an inch.
+        result = shown(browser, file, width=680)
+        result.page.emulate_media(media="print")
+        scales = result.page.evaluate(
+            """() => [...document.querySelectorAll('.picture svg')].filter(s => s.getBoundingClientRect().width > 0)
+              .map(s => s.getScreenCTM().a)"""
+        )
+        # A narrow picture and one across the page differ by the gap between two columns.
+        assert max(scales) < 1.1 * min(scales)
+        result.page.close()
+
     def test_what_decides_with_four_limits_stands_on_one_sheet(self, browser: Browser, tmp_path: Path) -> None:
         decay = free_decay(cars.PAPER, np.arange(0, 6, 0.005), initial_state={"v_tire": 1.0})
         found = identify(add_noise(decay, snr_db=20.0, rng=np.random.default_rng(1)))

@@ -152,7 +152,7 @@ def _draw_entropy(search: BandwidthSearch, figure: Figure) -> None:
 
 
 def _fits(found: Identification, units: Sequence[str]) -> Iterator[tuple[Picture, ...]]:
-    """Draw the record of each channel: the whole, and the first cycles where these are much shorter."""
+    """Draw the record of each channel: the whole, and its beginning where that holds the first cycles of a mode."""
     signal, span = as_signal(held(found, "response")), first_cycles(found)
     spans = [None] if span is None else [None, span]
     for k, (name, unit) in enumerate(zip(signal.channels[:MOST_CHANNELS], units, strict=False)):
@@ -161,7 +161,7 @@ def _fits(found: Identification, units: Sequence[str]) -> Iterator[tuple[Picture
             picture(
                 partial(_draw_fit, found, name, unit, between),
                 name=f"fit-{k}-{i}",
-                described=f"{described}, first cycles" if between else described,
+                described=f"{described}, beginning enlarged" if between else described,
                 height=1.75,
             )
             for i, between in enumerate(spans)
@@ -173,7 +173,7 @@ def _draw_fit(
 ) -> None:
     ax = figure.subplots()
     plot_fit(found, axes=[ax], channels=[name], span=between, units=[unit])
-    _plain(ax).set_title("whole record" if between is None else "first cycles", loc="left")
+    _plain(ax).set_title("whole record" if between is None else "beginning, enlarged", loc="left")
 
 
 def _stabilization(found: Identification) -> Picture | None:

@@ -83,9 +83,12 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
 def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
     """Draw the least contact force of each wheel over frequency, with its band and the classes of EUSAMA."""
     reach = normal_reach(level)
+    # How far below zero a wheel would pull tells no more: it has left the platform. The classes keep their room.
+    low = min(-5.0, max(-20.0, 105 * float(np.min(found.least))))
     _draw(ax, found, 100 * found.adhesion_curve, 100 * reach * found.adhesion_band)
     for hertz, least, colour in zip(found.adhesion_hertz, found.least, _colours(found), strict=True):
-        ax.plot(hertz, 100 * least, "o", color=colour, markersize=4)
+        # A mark at the lower end of the axis is drawn whole.
+        ax.plot(hertz, max(100 * least, low), "o", color=colour, markersize=4, clip_on=False, zorder=3)
     for name, share in CLASSES.items():
         ax.axhline(100 * share, color=Colour.GREY, linewidth=0.8, linestyle=":")
         ax.annotate(
@@ -97,8 +100,6 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
             fontsize="small",
             color=Colour.GREY,
         )
-    # How far below zero a wheel would pull tells no more: it has left the platform. The classes keep their room.
-    low = min(-5.0, max(-20.0, 105 * float(np.min(found.least))))
     ax.set(xlabel="frequency [Hz]", ylabel="adhesion [%]", ylim=(low, 105.0))
     entitle(ax, "EUSAMA: least over static force")
     ax.set_xscale("log")

@@ -185,7 +185,7 @@ def _draw_fit(
     spec: SubplotSpec,
     units: Sequence[str] | None,
 ) -> Axes:
-    """Draw few channels whole and over the first cycles; many in two columns. Return the first of the Axes."""
+    """Draw few channels whole and their beginning enlarged; many in two columns. Return the first of the Axes."""
     rows = _fit_rows(len(names))
     if len(names) > ABREAST:
         grid = _subplots(spec, rows, 2)
@@ -201,7 +201,7 @@ def _draw_fit(
     if span is not None:
         plot_fit(identification, axes=grid[:, 1], channels=names, span=span)
         for ax in grid[:, 1]:
-            ax.set_title("first cycles", loc="left")
+            ax.set_title("beginning, enlarged", loc="left")
             ax.set_ylabel("")
         without_legend(grid[0, 1])
     return without_legend(grid[0, 0])

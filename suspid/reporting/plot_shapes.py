@@ -107,7 +107,8 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     ax.set_yticks(rows, names)
     ax.set_xlabel("natural frequency [Hz]")
     by = " by unit" if len(groups) > 1 else ", without units" if _unsaid(groups) else ""
-    entitle(ax, f"shapes{_as_what(groups)} [1 = largest{by}]")
+    light = "; light: amplitude" if np.any(FULL_BAR * (np.abs(shapes) - np.abs(shapes.real)) > UNSEEN) else ""
+    entitle(ax, f"shapes{_as_what(groups)} [1 = largest{by}]{light}")
     return ax
 
 
