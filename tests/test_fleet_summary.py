@@ -20,7 +20,7 @@ from suspid import InputError, ModalSet, eigenmodes, quarter_car
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.commands import Commands
 from suspid.cli.fleet import fleet_command
-from suspid.fleet.distributions import QUANTILES, Distribution
+from suspid.fleet.distributions import QUANTILES, Distribution, distribution
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import identify_many
@@ -33,6 +33,7 @@ from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
 from suspid.reporting.plot_fleet import draw_distribution
+from suspid.text_tables import TERMINAL
 from suspid.units import RealArray
 from suspid.words import DamperState, Failure, FleetCheck, Step
 
@@ -119,6 +120,24 @@ class TestDistributionsAndOutliers:
             quantity="f", unit="Hz", count=1, median=1.2, quantiles=(1.2,) * len(QUANTILES), scatter=0.0, stated=np.nan
         )
         assert "nan" not in distribution_table([one])
+
+    @pytest.mark.parametrize("count", [8, 40])
+    def test_tables_fit_a_terminal_and_have_no_empty_column(self, count: int) -> None:
+        """Forty records have one beyond the ends of 95 %; eight have none, and no column for it."""
+        values = np.random.default_rng(1).normal(1.0, 0.01, size=count)
+        some = [distribution(name, "N s/m", values, values) for name in ("chassis_front.damping", "tire.damping")]
+        heading, _, *rows = distribution_table(some).splitlines()
+        assert max(map(len, [heading, *rows])) <= TERMINAL
+        assert ("2.5 %" in heading) == (count == 40)
+
+    @pytest.mark.parametrize("count", [3, 16, 300])
+    def test_two_groups_are_more_than_two_bars(self, count: int) -> None:
+        """The middle half of two groups is as wide as all; Sturges' number of bars does not depend on it."""
+        values = np.concatenate([np.linspace(0.0, 0.1, count), np.linspace(1.0, 1.1, count)])
+        found = distribution("f", "Hz", values, values)
+        assert len(found.bars) >= np.log2(2 * count) + 1
+        assert sum(found.bars) == 2 * count
+        assert 0 in found.bars
 
     def test_values_that_differ_in_the_last_digits_are_written_in_full(self) -> None:
         one = Distribution(

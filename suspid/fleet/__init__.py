@@ -9,7 +9,7 @@ distributions, outliers, trends of each vehicle. Below them: `run`, `listing` an
 
 from suspid.fleet.csv_tables import write_csv
 from suspid.fleet.damper_trends import DamperTrend, DamperTrends, damper_trends, trends_of_rates
-from suspid.fleet.distributions import QUANTILES, Distribution, Outlier
+from suspid.fleet.distributions import Distribution, Outlier, known_columns
 from suspid.fleet.estimate_many import DRIVES_CHUNK, estimate_many
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import CHUNK, identify_many
@@ -24,7 +24,6 @@ __all__ = [
     "DRIVES_CHUNK",
     "LEGEND",
     "MOST_SHOWN",
-    "QUANTILES",
     "DamperTrend",
     "DamperTrends",
     "Distribution",
@@ -38,6 +37,7 @@ __all__ = [
     "estimate_many",
     "fleet_summary",
     "identify_many",
+    "known_columns",
     "no_outlier",
     "trends_of_rates",
     "write_csv",

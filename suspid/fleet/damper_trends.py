@@ -14,7 +14,7 @@ from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.performance import Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
 from suspid.results import Result
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.values import MOST_NAMES
 from suspid.words import DamperState
 
@@ -113,13 +113,14 @@ class DamperTrends(Result):
             {
                 "vehicle": [one.vehicle for one in self.trends],
                 "damper": [one.damper for one in self.trends],
-                "drives": [str(one.drives) for one in self.trends],
+                "tests": [str(one.drives) for one in self.trends],
                 "verdict": [str(one.state) for one in self.trends],
                 "lost": [f"{one.loss.value:z.1%}" for one in self.trends],
-                f"at least ({percent})": [f"{one.loss.low:z.1%}" for one in self.trends],
+                f"at least, {percent}": [f"{one.loss.low:z.1%}" for one in self.trends],
                 "at most": [f"{one.loss.high:z.1%}" for one in self.trends],
                 "scatter": [f"{one.scatter:.1%}" for one in self.trends],
-            }
+            },
+            widest=TERMINAL,
         )
 
 

@@ -65,6 +65,19 @@ class Distribution:
         return self.scatter if self.count >= 4 else None
 
 
+def known_columns(some: Sequence[Distribution]) -> dict[str, list[float | None]]:
+    """Return by heading the quantiles that are known of some distribution, None where one is not.
+
+    Examples
+    --------
+    >>> few = distribution("f", "Hz", np.arange(16.0), np.ones(16))
+    >>> known_columns([few])
+    {'25 %': [3.75], '75 %': [11.25]}
+    """
+    columns = {f"{100 * q:g} %": [one.known_quantiles[k] for one in some] for k, q in enumerate(QUANTILES)}
+    return {heading: column for heading, column in columns.items() if any(value is not None for value in column)}
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outlier:
     """A value far from the fleet's median, its own uncertainty allowed for.
@@ -107,7 +120,10 @@ def distribution(quantity: str, unit: str, values: RealArray, stds: RealArray) -
 
 
 def _histogram(values: RealArray) -> tuple[tuple[float, ...], tuple[int, ...]]:
-    """Return edges and bars of a histogram, with bars as wide as Freedman and Diaconis advise, no more than fit."""
+    """Return edges and bars of a histogram: no more than fit, as wide as Freedman and Diaconis advise.
+
+    Where that would be fewer than Sturges advises, the records are few or in two groups, and his number is taken.
+    """
     low = float(np.quantile(values, EDGES[0], method="lower"))
     high = float(np.quantile(values, EDGES[1], method="higher"))
     # Values that are alike but for rounding have no width to divide.
@@ -115,7 +131,7 @@ def _histogram(values: RealArray) -> tuple[tuple[float, ...], tuple[int, ...]]:
         return (low, high), (len(values),)
     lower, upper = np.quantile(values, (0.25, 0.75))
     advised = 2 * float(upper - lower) / len(values) ** (1 / 3)
-    width = max(advised, (high - low) / min(MOST_BARS, len(values)))
+    width = max(min(advised, (high - low) / (np.log2(len(values)) + 1)), (high - low) / min(MOST_BARS, len(values)))
     bars, edges = np.histogram(np.clip(values, low, high), bins=int(np.ceil((high - low) / width)), range=(low, high))
     return tuple(edges.tolist()), tuple(bars.tolist())
 

@@ -23,7 +23,7 @@ from suspid.fleet.summary_text import (
 from suspid.fleet.trends import Trend
 from suspid.model import Suspension
 from suspid.results import Result, columns_of
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.words import (
     Check,
     DamperState,
@@ -216,7 +216,7 @@ class FleetSummary(Result):
                 "median": [f"{one.median:.5g}" for one in shown],
                 "off [sd]": [f"{one.z:+.1f}" for one in shown],
             }
-            parts.append(text_table(columns) + more_than_shown(len(self.outliers)))
+            parts.append(text_table(columns, widest=TERMINAL) + more_than_shown(len(self.outliers)))
         else:
             parts.append(no_outlier(self.distributions))
         if self.unplaced is not None:

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from suspid.fleet.damper_trends import DamperTrends
-from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution
+from suspid.fleet.distributions import FEWEST_RECORDS, Distribution, known_columns
 from suspid.fleet.trends import Trend
-from suspid.text_tables import figures_of, sentence_table, text_table
+from suspid.text_tables import TERMINAL, figures_of, sentence_table, text_table
 from suspid.words import (
     DamperState,
     count,
@@ -57,12 +57,13 @@ def distribution_table(distributions: Sequence[Distribution]) -> str:
             "records": [str(one.count) for one in distributions],
             "median": [figures_of(one.median, VALUE_DIGITS) for one in distributions],
             **{
-                f"{100 * q:g} %": [_or_empty(one.known_quantiles[k], VALUE_DIGITS) for one in distributions]
-                for k, q in enumerate(QUANTILES)
+                heading: [_or_empty(value, VALUE_DIGITS) for value in column]
+                for heading, column in known_columns(distributions).items()
             },
             "scatter": [_or_empty(one.known_scatter, 2) for one in distributions],
             "stated ±": [_or_empty(one.stated, 2) for one in distributions],
-        }
+        },
+        widest=TERMINAL,
     )
 
 
@@ -97,13 +98,12 @@ def trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
         "vehicle": [one.vehicle for one in shown],
         "quantity": [f"{one.quantity} {one.direction}" for one in shown],
         "tests": [str(one.count) for one in shown],
-        "over": [f"{one.span:.4g}" for one in shown],
         "start": [figures_of(one.start, VALUE_DIGITS) for one in shown],
         "end": [figures_of(one.end, VALUE_DIGITS) for one in shown],
-        "95 % of the change": [f"{one.change[0]:+.3g} … {one.change[1]:+.3g}" for one in shown],
+        "change, 95 %": [f"{one.change[0]:+.3g}…{one.change[1]:+.3g}" for one in shown],
         "p": [f"{one.p_adjusted:.1g}" for one in shown],
     }
-    return f"{said}\n\n{text_table(columns)}{more_than_shown(len(changing))}"
+    return f"{said}\n\n{text_table(columns, widest=TERMINAL)}{more_than_shown(len(changing))}"
 
 
 def dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:

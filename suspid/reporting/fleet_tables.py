@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.fleet import MOST_SHOWN, QUANTILES
+from suspid.fleet import MOST_SHOWN, known_columns
 from suspid.reporting.numerals import NOTHING, signed
 from suspid.text_tables import figures_of
 from suspid.words import DamperState, label_in_words
@@ -64,13 +64,12 @@ def wear_table(found: FleetSummary) -> FleetTable:
 
 def distribution_table(some: Sequence[Distribution]) -> FleetTable:
     """Return a row for each quantity: median, quantiles, scatter and stated uncertainty."""
-    quantiles = {f"{100 * q:g} %": [one.known_quantiles[k] for one in some] for k, q in enumerate(QUANTILES)}
     return _table(
         {"quantity": (one.quantity for one in some), "unit": (one.unit for one in some)},
         {
             "records": (one.count for one in some),
             "median": (one.median for one in some),
-            **quantiles,
+            **known_columns(some),
             "scatter": (_number(one.known_scatter, 2) for one in some),
             "stated ±": (_number(one.stated, 2) for one in some),
         },

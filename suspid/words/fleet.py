@@ -73,7 +73,7 @@ class FleetCheck(Code):
     DOUBTFUL = "doubtful", sentence(lambda n: f"{_doubtful(n)}.")
     CARE = (
         "care",
-        sentence(lambda n: f"{count(n['care'], 'record')} to be used with care; their doubts are counted."),
+        sentence(lambda n: f"{count(n['care'], 'record')} to be used with care: the table of doubts says why."),
     )
     UNPLACED = (
         "unplaced",
