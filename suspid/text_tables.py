@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from textwrap import wrap
 
@@ -109,7 +110,8 @@ def _heading(name: str, cut: int) -> list[str]:
     what, *remarks = name.replace(" [", ", [").split(", ")
     words = what.replace(" + ", " +\n").split("\n")
     if cut > 1 and len(words) == 1:
-        words = what.replace(".", ".\n").split("\n")
+        # A point before a digit is that of a number.
+        words = re.sub(r"\.(?=[^\W\d])", ".\n", what).split("\n")
     if cut > 2:
         words = [part for word in words for part in ([word] if len(word) < LONG_WORD else _halves(word))]
     return [*words, *remarks]

@@ -50,7 +50,9 @@ def wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:
 
 
 def distribution_table(distributions: Sequence[Distribution]) -> str:
-    """Return the table of distributions, empty where a number is not known."""
+    """Return the table of distributions with the outermost quantiles that are known, empty where a number is not."""
+    quantiles = known_columns(distributions)
+    ends = dict(list(quantiles.items())[:: max(len(quantiles) - 1, 1)])
     return text_table(
         {
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
@@ -58,7 +60,7 @@ def distribution_table(distributions: Sequence[Distribution]) -> str:
             "median": [figures_of(one.median, VALUE_DIGITS) for one in distributions],
             **{
                 heading: [_or_empty(value, VALUE_DIGITS) for value in column]
-                for heading, column in known_columns(distributions).items()
+                for heading, column in ends.items()
             },
             "scatter": [_or_empty(one.known_scatter, 2) for one in distributions],
             "stated ±": [_or_empty(one.stated, 2) for one in distributions],
