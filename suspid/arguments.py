@@ -54,6 +54,8 @@ def explained(verb: Callable[Given, Returned]) -> Callable[Given, Returned]:
 
     @functools.wraps(verb)
     def told(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
+        # In a failing test pytest shows the test, not this frame.
+        __tracebackhide__ = True
         try:
             return verb(*args, **kwargs)
         except SuspidError:

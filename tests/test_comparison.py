@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from suspid import InputError, ModalSet, Suspension, assert_modes_close, eigenmodes, quarter_car
+from suspid import (
+    InputError,
+    ModalSet,
+    Suspension,
+    assert_modes_close,
+    eigenmodes,
+    quarter_car,
+    reconstruct,
+    statespace,
+)
 from suspid.model.compare import compare
 from suspid.model.matching import modal_assurance
 
@@ -245,11 +259,39 @@ class TestAssertion:
     def test_a_missing_mode_fails_however_wide_the_limits(self) -> None:
         modes = eigenmodes(car())
         with pytest.raises(AssertionError, match="missing"):
-            assert_modes_close(ModalSet(poles=modes.poles[:1]), modes, rtol_wn=0.4, rtol_zeta=1.0)
+            assert_modes_close(ModalSet(poles=modes.poles[:1]), modes, rtol_wn=0.4, rtol_zeta=0.99)
 
     def test_what_has_no_modes_is_named(self) -> None:
-        with pytest.raises(InputError, match=r"found is a list.*eigenmodes"):
+        with pytest.raises(InputError, match=r"found is a list.*python-control.*identify\(record\)"):
             assert_modes_close([1.0], car())  # type: ignore[arg-type]
+
+    def test_systems_and_cars_that_were_found_have_modes(self) -> None:
+        modes = eigenmodes(car())
+        found = reconstruct(modes, car())
+        for one in (statespace(car()), found, found.suspension):
+            assert_modes_close(one, modes, rtol_wn=1e-6, rtol_zeta=1e-6)
+            with pytest.raises(AssertionError, match="values fail"):
+                assert_modes_close(one, ModalSet.from_wn_zeta(1.1 * modes.wn, modes.zeta), rtol_wn=0.01)
+
+    def test_percents_are_no_ratios(self) -> None:
+        with pytest.raises(InputError, match=r"rtol_wn=1 allows an error of 100%: .* 1 % is 0\.01"):
+            assert_modes_close(car(), car(), rtol_wn=1.0)
+        with pytest.raises(InputError, match="rtol_zeta=5 allows an error of 500%"):
+            assert_modes_close(car(), car(), rtol_zeta=5.0)
+
+    def test_a_failing_test_shows_no_line_of_the_library(self, tmp_path: Path) -> None:
+        """In a run of pytest by itself: the table stands below the line of the test."""
+        path = tmp_path / "test_modes.py"
+        path.write_text(
+            "from suspid import ModalSet, assert_modes_close\n"
+            "def test_modes():\n"
+            "    assert_modes_close(ModalSet.from_wn_zeta([10.0], [0.1]), ModalSet.from_wn_zeta([12.0], [0.1]))\n"
+        )
+        command = [sys.executable, "-m", "pytest", "-q", "-W", "error", "-p", "no:cacheprovider", str(path)]
+        said = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False).stdout
+        assert re.search(r"E +mode 1 +wn \[rad/s\] +10 +12 ", said)
+        assert "arguments.py" not in said
+        assert "assert_modes_close.py" not in said
 
 
 def test_what_has_no_modes_on_either_side_is_not_judged() -> None:

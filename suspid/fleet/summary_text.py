@@ -58,10 +58,7 @@ def distribution_table(distributions: Sequence[Distribution]) -> str:
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
             "records": [str(one.count) for one in distributions],
             "median": [figures_of(one.median, VALUE_DIGITS) for one in distributions],
-            **{
-                heading: [_or_empty(value, VALUE_DIGITS) for value in column]
-                for heading, column in ends.items()
-            },
+            **{heading: [_or_empty(value, VALUE_DIGITS) for value in column] for heading, column in ends.items()},
             "scatter": [_or_empty(one.known_scatter, 2) for one in distributions],
             "stated ±": [_or_empty(one.stated, 2) for one in distributions],
         },

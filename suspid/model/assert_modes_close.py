@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from suspid.arguments import explained
 from suspid.errors import InputError
@@ -11,6 +11,9 @@ from suspid.model.eigenmodes import eigenmodes
 from suspid.model.modes import ModalSet
 from suspid.model.suspension import Suspension
 from suspid.units import Ratio
+
+if TYPE_CHECKING:
+    import control
 
 
 class HasModes(Protocol):
@@ -21,10 +24,18 @@ class HasModes(Protocol):
         """The modes."""
 
 
+class HasSuspension(Protocol):
+    """A result that has a car, whose modes are exact."""
+
+    @property
+    def suspension(self) -> Suspension:
+        """The car."""
+
+
 @explained
 def assert_modes_close(
-    found: ModalSet | Suspension | HasModes,
-    expected: ModalSet | Suspension | HasModes,
+    found: ModalSet | Suspension | control.LTI | HasModes | HasSuspension,
+    expected: ModalSet | Suspension | control.LTI | HasModes | HasSuspension,
     *,
     rtol_wn: Ratio | None = None,
     rtol_zeta: Ratio | None = None,
@@ -34,10 +45,11 @@ def assert_modes_close(
 
     Parameters
     ----------
-    found, expected : ModalSet, Suspension, or a result that has ``.modes``
-        The modes, or what has them: of a `Suspension` its exact modes, of an identification those found.
+    found, expected : ModalSet, Suspension, control.LTI, or a result with ``.modes`` or ``.suspension``
+        The modes, or what has them: of a `Suspension` and of a system of python-control their exact modes, of an
+        identification those found, of a reconstruction those of its car.
     rtol_wn, rtol_zeta : float, optional
-        Allowed error of natural frequencies and of damping ratios, relative to each expected value [1].
+        Allowed error of natural frequencies and of damping ratios, relative to each expected value, below 1 [1].
     sigmas : float, optional
         Allowed error of what has no ``rtol``, in its standard deviations [1]. Default: as in
         `compare`, 1.96 where there are any, else 1e-9 relative.
@@ -67,6 +79,9 @@ def assert_modes_close(
     mean absolute error: wn 0.005 rad/s, zeta 0.005
     """
     __tracebackhide__ = True
+    for name, value in (("rtol_wn", rtol_wn), ("rtol_zeta", rtol_zeta)):
+        if value is not None and value >= 1:
+            raise InputError(f"{name}={value:g} allows an error of {value:.0%}: it is a ratio, 1 % is 0.01")
     rtol = {name: value for name, value in (("wn", rtol_wn), ("zeta", rtol_zeta)) if value is not None}
     comparison = compare(_modes_of("found", found), _modes_of("expected", expected), rtol=rtol or None, sigmas=sigmas)
     if not comparison.table:
@@ -76,11 +91,15 @@ def assert_modes_close(
 
 
 def _modes_of(name: str, given: object) -> ModalSet:
-    """Return modes, those of a car, or those that a result has."""
-    modes = eigenmodes(given) if isinstance(given, Suspension) else getattr(given, "modes", given)
-    if not isinstance(modes, ModalSet):
-        raise InputError(
-            f"{name} is a {type(given).__name__}: give modes, a Suspension, or a result with .modes; of a system the "
-            f"modes are eigenmodes(system)"
-        )
-    return modes
+    """Return modes, those of a car or of a system, or those that a result has."""
+    __tracebackhide__ = True
+    held = getattr(given, "modes", getattr(given, "suspension", given))
+    if isinstance(held, ModalSet):
+        return held
+    # What a system is, eigenmodes decides; python-control is not imported for that.
+    if isinstance(held, Suspension) or hasattr(held, "poles"):
+        return eigenmodes(held)
+    raise InputError(
+        f"{name} is a {type(given).__name__}: give modes, a Suspension, a system of python-control, or a result with "
+        ".modes or .suspension; of a record they are those of identify(record)"
+    )
