@@ -245,10 +245,10 @@ class TestResult:
             )
             for rank, kind, doubts in ((1, DecayKind.STEP, ()), (2, None, (Remark(DecayDoubt.GROWING),)))
         )  # fmt: skip
-        rows = str(Decays((one, other))).splitlines()[-2:]
-        assert rows[0].split() == ["1", "1", "2", "step", "30", "4.0", "1.5,", "12.2", "none"]
-        assert "?" in rows[1]
-        assert rows[1].endswith("part of the motion grows: still driven")
+        *_, first, second, doubt = str(Decays((one, other))).splitlines()
+        assert first.split() == ["1", "1", "2", "step", "30", "4.0", "1.5,", "12.2", "none"]
+        assert "?" in second
+        assert doubt == "decay 2: part of the motion grows: still driven"
 
     def test_decays_are_a_sequence_that_survives_pickling(self) -> None:
         import pickle

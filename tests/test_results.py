@@ -34,6 +34,7 @@ from suspid import (
     eigenmodes,
     estimate,
     find_decays,
+    find_drives,
     free_decay,
     grip,
     identify,
@@ -53,6 +54,7 @@ from suspid import (
 from suspid.errors import InputError
 from suspid.records import as_response
 from suspid.results import Result
+from suspid.text_tables import TERMINAL
 from validation import cars
 
 mpl.use("Agg")
@@ -84,6 +86,9 @@ DRAWN = {
     "stabilization",
     "wear",
     "trends",
+    "decays",
+    "cleaned",
+    "stretches",
 }
 
 
@@ -111,6 +116,7 @@ def results() -> dict[str, Any]:
         "analysis": analyse(RECORD),
         "decays": find_decays(RECORD),
         "cleaned": clean(recording),
+        "stretches": find_drives(recording),
         "body": BodyModes(
             modes=(BodyMode(channel="seat", hertz=1.2, models=((1.15, 0.02), (1.25, 0.02)), zetas=(0.2, 0.4)),),
             seconds=300.0,
@@ -150,10 +156,9 @@ def test_all_results_are_tried(results: dict[str, Any]) -> None:
     public = {
         one for name in suspid.__all__ if isinstance(one := getattr(suspid, name), type) and issubclass(one, Result)
     }
-    # Limits, stretches of drives and fleets have tests of their own.
+    # Limits and fleets have tests of their own.
     assert {one.__name__ for one in public} - {type(one).__name__ for one in results.values()} <= {
         "CheckedLimits",
-        "Drives",
         "FleetSummary",
     }
 
@@ -202,6 +207,9 @@ def test_text_fits_a_screen(results: dict[str, Any]) -> None:
         text = str(found)
         assert len(text.splitlines()) <= 60, name
         assert "array(" not in text, name
+        # Columns of tables stand two spaces apart; sentences are broken by the terminal.
+        wide = [line for line in text.splitlines() if "  " in line.strip() and len(line) > TERMINAL]
+        assert not wide, (name, wide)
 
 
 def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.greybox import DamperCurve
 from suspid.performance import Wear
-from suspid.text_tables import rounded, spread, text_table
+from suspid.text_tables import TERMINAL, rounded, spread, text_table
 
 
 def damper_table(curves: Sequence[DamperCurve], wear: Wear | None) -> str:
@@ -27,7 +27,7 @@ def damper_table(curves: Sequence[DamperCurve], wear: Wear | None) -> str:
         for name in names
     ]
     columns = {title: [row[title] for row in rows] for title in rows[0]}
-    return text_table({title: cells for title, cells in columns.items() if any(cells)})
+    return text_table({title: cells for title, cells in columns.items() if any(cells)}, widest=TERMINAL)
 
 
 def _wear_cells(wear: Wear | None, name: str) -> dict[str, str]:

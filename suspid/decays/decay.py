@@ -9,7 +9,7 @@ from typing import overload
 import numpy as np
 
 from suspid.results import Result, columns_of
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.units import Decibel, RealArray, Second
 from suspid.values import MOST_NAMES
 from suspid.wording import moment
@@ -152,7 +152,8 @@ class Decays(Sequence[Decay], Result):
             "above background [dB]": [f"{decay.level:.0f}" for decay in self],
             "cycles": [f"{decay.cycles:.1f}" for decay in self],
             "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.3g}" for wn in decay.wn) for decay in self],
-            "doubts": ["; ".join(map(str, decay.doubts)) or "none" for decay in self],
+            "doubts": [str(len(decay.doubts) or "none") for decay in self],
         }
-        parts = [text_table(columns)] if self else [str(Remark(DecayRemark.NONE))]
-        return "\n".join([*parts, *map(str, self.remarks)])
+        parts = [text_table(columns, widest=TERMINAL)] if self else [str(Remark(DecayRemark.NONE))]
+        doubts = [f"decay {decay.rank}: {'; '.join(map(str, decay.doubts))}" for decay in self if decay.doubts]
+        return "\n".join([*parts, *doubts, *map(str, self.remarks)])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.text_tables import rounded, spread, text_table
+from suspid.text_tables import TERMINAL, rounded, spread, text_table
 from suspid.units import RealArray
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def curve_table(found: DamperCurve) -> str:
         inside = sign * kept >= nodes[0]
         columns[f"{name} [N]"] = [text if use else "" for text, use in zip(rounded(forces, stds), inside, strict=True)]
         columns[f"± {name[0]}"] = [spread(s) if use else "" for s, use in zip(stds, inside, strict=True)]
-    return text_table(columns)
+    return text_table(columns, widest=TERMINAL)
 
 
 def force_at(found: DamperCurve, velocity: RealArray) -> tuple[RealArray, RealArray]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from suspid.model import value_in
 from suspid.signals import as_signal
-from suspid.text_tables import rounded, spread, text_table
+from suspid.text_tables import TERMINAL, rounded, spread, text_table
 from suspid.units import UNITS
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def parameter_table(found: Estimate) -> str:
     }
     held = f"\nfixed: {', '.join(found.held)}" if found.held else ""
     meant = quantities_in(found.parameters)
-    return text_table(rows) + held + (f"\n{meant}" if meant else "")
+    return text_table(rows, widest=TERMINAL) + held + (f"\n{meant}" if meant else "")
 
 
 def quantities_in(parameters: Sequence[str]) -> str:
@@ -74,4 +74,4 @@ def channel_table(found: Estimate) -> str:
                 rows.values(), (str(i + 1), channel, f"{std:.3g}", f"{correlation:+.2f}"), strict=True
             ):
                 column.append(cell)
-    return text_table(rows)
+    return text_table(rows, widest=TERMINAL)

@@ -10,7 +10,7 @@ from suspid.files import printable
 from suspid.identification.nonlinear import AmplitudeDependence
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.wavelets import Ridge
 from suspid.wording import WayOut
 
@@ -33,7 +33,7 @@ def tables_of(found: Identification) -> str:
             "disagreement of halves [sd]": [f"{value:.1f}" for value in found.halves],
             "residual / noise": [f"{value:.3g}" for value in found.loudness],
         }
-        parts += [str(found.modes), text_table(quality)]
+        parts += [str(found.modes), text_table(quality, widest=TERMINAL)]
     else:
         parts.append("no mode")
     varying = [(mode, each) for mode, each in enumerate(found.amplitude_dependence, 1) if each.varies]
@@ -46,7 +46,7 @@ def tables_of(found: Identification) -> str:
         "noise std": [f"{std:.3g}" for std in found.noise_std],
         "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],
     }
-    parts.append(text_table(channels))
+    parts.append(text_table(channels, widest=TERMINAL))
     if found.considered:
         # Rejected poles that the table shows; the rest is counted.
         shown = found.considered[:6]
@@ -69,18 +69,19 @@ def tables_of_repeats(found: Repeats) -> str:
             "decay": spans,
             "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.4g}" for wn in one.modes.wn) for one in found.each],
             "zeta [1]": [", ".join(f"{zeta:.3g}" for zeta in one.modes.zeta) for one in found.each],
-        }
+        },
+        widest=TERMINAL,
     )
     if not len(found.modes):
         return f"no mode in all of {len(found.spans)} decays\n\n{singles}"
     agreement = {
         "mode": [str(i + 1) for i in range(len(found.modes))],
-        "disagreement: chi-square": [f"{a.chi_square:.1f}" for a in found.consistency],
+        "disagreement, chi-square": [f"{a.chi_square:.1f}" for a in found.consistency],
         "degrees of freedom": [str(a.freedom) for a in found.consistency],
         "probability": [f"{a.probability:.2g}" for a in found.consistency],
         "residual / noise": [f"{value:.3g}" for value in found.loudness],
     }
-    return f"{found.modes}\n\n{text_table(agreement)}\n\n{singles}"
+    return f"{found.modes}\n\n{text_table(agreement, widest=TERMINAL)}\n\n{singles}"
 
 
 def _amplitude_columns(mode: int, each: AmplitudeDependence) -> dict[str, list[str]]:

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from suspid.results import Result, columns_of
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.units import UNITS, RealArray
 from suspid.values import MOST_NUMBERS, FrozenMapping
 
@@ -128,7 +128,7 @@ class Comparison(Result):
         notes = [f"mean absolute error: {mae}"]
         if self.mac is not None:
             notes.append(f"MAC by expected mode: {', '.join(f'{m:.6f}' for m in self.mac)}")
-        return "\n".join([self._headline(), text_table(columns), *notes])
+        return "\n".join([self._headline(), text_table(columns, widest=TERMINAL), *notes])
 
 
 def _text(value: float | None, digits: int) -> str:

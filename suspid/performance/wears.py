@@ -11,7 +11,7 @@ from suspid.levels import LEVEL
 from suspid.performance.grips import Grip
 from suspid.performance.losses import TESTS, Loss, WearRule
 from suspid.results import Result, columns_of
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.units import NewtonSecondPerMetre, Ratio
 from suspid.words import Check, DamperState, Verdict
 
@@ -184,20 +184,18 @@ class Wear(Result):
             reach: [f"{_percent(one.low)} to {_percent(one.high)}" if one.in_percent else "" for one in self.changes],
             "significant": ["yes" if one.significant else "no" for one in self.changes],
         }
-        parts = [text_table(changes)]
+        parts = [text_table(changes, widest=TERMINAL)]
         if self.before is not None and self.after is not None:
-            parts.append(text_table(_grips(self.before, self.after)))
+            parts.append(text_table(_grips(self.before, self.after), widest=TERMINAL))
         sides = f"{100 * self.certainty:g} % certain"
         dampers = {
             "damper": [one.damper for one in self.dampers],
             "verdict": [str(one.state) for one in self.dampers],
             "lost": [f"{one.loss.value:z.1%}" for one in self.dampers],
-            f"at least ({sides})": [
-                f"{one.loss.low:z.1%}" if np.isfinite(one.loss.low) else "" for one in self.dampers
-            ],
+            f"at least, {sides}": [f"{one.loss.low:z.1%}" if np.isfinite(one.loss.low) else "" for one in self.dampers],
             "at most": [f"{one.loss.high:z.1%}" for one in self.dampers],
         }
-        return "\n\n".join([*parts, text_table(dampers), str(self.verdict)])
+        return "\n\n".join([*parts, text_table(dampers, widest=TERMINAL), str(self.verdict)])
 
 
 def _grips(before: Grip, after: Grip) -> dict[str, list[str]]:
@@ -205,7 +203,7 @@ def _grips(before: Grip, after: Grip) -> dict[str, list[str]]:
     for what, scale, name in (("adhesion", 100.0, "adhesion [%]"), ("phase", np.degrees(1.0), "least phase [deg]")):
         for when, one in (("before", before), ("after", after)):
             values, stds = getattr(one, what), getattr(one, f"{what}_std")
-            columns[f"{name} {when}"] = [
+            columns[f"{name}, {when}"] = [
                 "none" if np.isnan(v) else f"{scale * v:.1f} ± {scale * s:.1f}"
                 for v, s in zip(values, stds, strict=True)
             ]

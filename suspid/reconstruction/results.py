@@ -13,7 +13,7 @@ from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_values, unit_of
 from suspid.reconstruction.verdict import verdict_of
 from suspid.results import Result
-from suspid.text_tables import rounded, spread, text_table
+from suspid.text_tables import TERMINAL, rounded, spread, text_table
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
 from suspid.values import numbers_in_words
 from suspid.words import (
@@ -233,7 +233,7 @@ def tables_of_reconstruction(found: Reconstruction) -> str:
     if any(not name.endswith(".mass") for name in found.held):
         names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in found.held] for s in struts}
         columns["held"] = [", ".join(held) for held in names.values()]
-    parts = [text_table(columns)]
+    parts = [text_table(columns, widest=TERMINAL)]
     free = [name for name in found.suspension.masses if f"{name}.mass" in found.parameters]
     if free:
         values = np.array([found.suspension.masses[name] for name in free])

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis import Analysis, DriveAnalysis
+from suspid.cleaning import Cleaned
+from suspid.decays import Decays
 from suspid.fleet import DamperTrends, FleetSummary
-from suspid.greybox import DamperCurve, Estimate
+from suspid.greybox import DamperCurve, Drives, Estimate
 from suspid.identification import Identification, Repeats, Stabilization
 from suspid.model import Comparison, ModalSet
 from suspid.performance import DamperTuning, Grip, Ride, Sensitivities, Tuning, Wear
@@ -17,12 +19,13 @@ from suspid.reconstruction import Reconstruction
 from suspid.reporting.colours import Colour
 from suspid.reporting.plot_comparison import draw_errors
 from suspid.reporting.plot_damper_curve import plot_damper_curve
-from suspid.reporting.plot_drive import draw_finding, plot_drive
+from suspid.reporting.plot_drive import draw_finding, draw_stretches, plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import draw_changes, plot_estimate
 from suspid.reporting.plot_fleet import draw_fleet, draw_losses, losses_of
 from suspid.reporting.plot_grip import draw_adhesion, plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
+from suspid.reporting.plot_recording import draw_cleaned, draw_decays, plot_recordings
 from suspid.reporting.plot_ride import draw_spectrum, plot_ride, size_of_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_sensitivities import plot_sensitivities, size_of
@@ -70,6 +73,21 @@ def _(found: DamperCurve) -> Drawing:
 @drawing_of.register
 def _(found: DriveAnalysis) -> Drawing:
     return Drawing(alone=partial(draw_finding, found), page=partial(plot_drive, found), size=PAGE)
+
+
+@drawing_of.register
+def _(found: Drives) -> Drawing | None:
+    return Drawing(alone=partial(_draw_stretches, found)) if len(found.course) else None
+
+
+@drawing_of.register
+def _(found: Cleaned) -> Drawing:
+    return Drawing(alone=partial(draw_cleaned, found), page=partial(plot_recordings, found), size=(7.0, 5.5))
+
+
+@drawing_of.register
+def _(found: Decays) -> Drawing | None:
+    return Drawing(alone=partial(draw_decays, found)) if found else None
 
 
 @drawing_of.register
@@ -142,6 +160,11 @@ def _(found: Sensitivities) -> Drawing:
         size=size_of(found),
         cell=size_of(found),
     )
+
+
+def _draw_stretches(found: Drives, ax: Axes) -> None:
+    draw_stretches(ax, found)
+    ax.set_xlabel("time [s]")
 
 
 def _draw_scalogram(found: Identification, ax: Axes) -> None:

@@ -7,17 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import Cleaned
+from suspid.decays import Decays
 from suspid.reporting.axes import entitle, position, shown, thinned, unit_ticks
 from suspid.reporting.colours import Colour
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
 
 if TYPE_CHECKING:
     import control
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Numbers of decays stand in at most this many rows; a number takes this width [inch].
 TEXT_ROWS = 4
+# Decays that fit a picture, and channels that a page of a recording has room for.
+MOST_DRAWN, MOST_PANELS = 8, 6
 
 
 def plot_recording(
@@ -65,6 +71,42 @@ def plot_recording(
     entitle(ax, shown(channel))
     unit_ticks(ax, shown(unit, most=8) or "unit")
     return ax
+
+
+def draw_cleaned(found: Cleaned, ax: Axes, channel: int = 0) -> None:
+    """Draw one channel of a record that was cleaned; where a defect of it was found is shaded."""
+    record = held(found, "record")
+    name = as_signal(record).channels[channel]
+    for one in found.findings:
+        if one.channel == name and one.start is not None and one.stop is not None:
+            ax.axvspan(one.start, one.stop, color=Colour.SHADE)
+    plot_recording(record, ax=ax, channel=name, unit=found.units[channel])
+
+
+def plot_recordings(found: Cleaned, figure: Figure) -> None:
+    """Draw the channels of a record that was cleaned, one below another, as many as fit."""
+    count = min(len(found.units), MOST_PANELS)
+    axes = figure.subplots(count, sharex=True, squeeze=False)[:, 0]
+    for k, ax in enumerate(axes):
+        draw_cleaned(found, ax, k)
+    for ax in axes[:-1]:
+        ax.set_xlabel("")
+
+
+def draw_decays(found: Decays, ax: Axes) -> None:
+    """Draw from when to when each decay lasts, the best above, with its frequencies; those with doubts are light."""
+    drawn = found[:MOST_DRAWN]
+    for row, one in enumerate(drawn):
+        face = Colour.PALE_BLUE if one.doubts else Colour.BLUE
+        ax.barh(row, one.stop - one.start, left=one.start, height=0.5, color=face, edgecolor=Colour.BLUE)
+        hertz = ", ".join(f"{wn / (2 * np.pi):.3g}" for wn in one.wn)
+        ax.annotate(f"{hertz} Hz" if hertz else "", (one.stop, row), xytext=(4, 0), textcoords="offset points",
+                    va="center", fontsize="small")  # fmt: skip
+    ax.set_yticks(range(len(drawn)), [f"decay {one.rank}" for one in drawn])
+    first, last = min(one.start for one in drawn), max(one.stop for one in drawn)
+    # The frequencies behind the last bar stay in the picture.
+    ax.set(xlabel="time [s]", xlim=(first, last + 0.25 * (last - first)), ylim=(len(drawn) - 0.5, -0.5))
+    entitle(ax, "free decays; light: with doubts" if any(one.doubts for one in drawn) else "free decays")
 
 
 def _rows(starts: Sequence[float], room: float) -> list[int]:
