@@ -338,6 +338,17 @@ class TestFit:
         assert np.array_equal(values[0, np.round(x * 1e3).astype(int)], y)
         assert np.all(np.diff(x) > 0)
 
+    @pytest.mark.parametrize(("low", "high"), [(-9.1, 5.2), (-0.55, 1.3), (-70.0, 50.0), (0.0, 4e-6), (-4.0, 9.7)])
+    @pytest.mark.parametrize("height", [0.7, 1.75, 4.8])
+    def test_three_ticks_or_more_stand_in_a_panel_with_room(self, low: float, high: float, height: float) -> None:
+        ax = Figure(figsize=(7.0, height), layout="constrained").subplots()
+        ax.plot([0.0, 1.0], [low, high])
+        unit_ticks(ax, "m")
+        bottom, top = ax.get_ylim()
+        ticks = [tick for tick in ax.get_yticks() if bottom <= tick <= top]
+        # A tick has a line of type, 0.14 inch, and as much again below it; a very low panel has two.
+        assert 2 + (height > 1) <= len(ticks) <= max(4, height / 0.28)
+
     @pytest.mark.parametrize("largest", [3e-7, 0.02, 0.5, 40.0, 3e5])
     def test_a_tick_times_the_power_in_the_label_is_its_place(self, largest: float) -> None:
         ax = one_axes()

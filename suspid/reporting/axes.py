@@ -32,6 +32,9 @@ def keep_apart(figure: Figure) -> None:
         figure.set_layout_engine("constrained")
 
 
+# Height of a panel for each of its ticks [inch].
+TICK_ROOM = 0.4
+
 # Highest frequency in view, over that of the highest mode.
 IN_VIEW = 2.5
 
@@ -157,7 +160,10 @@ def unit_ticks(ax: Axes, unit: str) -> None:
 
     largest = max(abs(end) for end in ax.get_ylim())
     power = 0 if 0.1 <= largest < 1e4 else 3 * int(np.floor(np.log10(max(largest, 1e-300)) / 3))
-    ax.yaxis.set_major_locator(MaxNLocator(3))
+    room = ax.get_window_extent().height / ax.figure.dpi / TICK_ROOM
+    # Two ticks alone tell neither middle nor ends; a low panel has no room for more.
+    least = 3 if room > 2 else 2
+    ax.yaxis.set_major_locator(MaxNLocator(int(np.clip(room, 3, 6)), steps=(1, 2, 2.5, 5, 10), min_n_ticks=least))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:.10g}".replace("-", "−")))
     ax.set_ylabel(f"[{power_of_ten(power)} {unit}]" if power else f"[{unit}]")
 
