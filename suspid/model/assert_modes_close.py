@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from suspid.arguments import explained
 from suspid.errors import InputError
@@ -12,9 +12,6 @@ from suspid.model.modes import ModalSet
 from suspid.model.suspension import Suspension
 from suspid.units import Ratio
 
-if TYPE_CHECKING:
-    import control
-
 
 class HasModes(Protocol):
     """A result that has modes."""
@@ -22,6 +19,13 @@ class HasModes(Protocol):
     @property
     def modes(self) -> ModalSet:
         """The modes."""
+
+
+class System(Protocol):
+    """A system of python-control, which has no types of its own."""
+
+    def poles(self) -> object:
+        """Return the poles."""
 
 
 class HasSuspension(Protocol):
@@ -34,8 +38,8 @@ class HasSuspension(Protocol):
 
 @explained
 def assert_modes_close(
-    found: ModalSet | Suspension | control.LTI | HasModes | HasSuspension,
-    expected: ModalSet | Suspension | control.LTI | HasModes | HasSuspension,
+    found: ModalSet | Suspension | System | HasModes | HasSuspension,
+    expected: ModalSet | Suspension | System | HasModes | HasSuspension,
     *,
     rtol_wn: Ratio | None = None,
     rtol_zeta: Ratio | None = None,
