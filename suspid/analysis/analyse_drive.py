@@ -14,6 +14,7 @@ from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.settings import Settings
 from suspid.arguments import explained
+from suspid.cleaning import RecordLike, is_pair
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.files import naming, printable
 from suspid.greybox import (
@@ -43,7 +44,7 @@ Step = Callable[[str], None]
 @explained
 @in_one_thread
 def analyse_drive(
-    sources: Sequence[str | os.PathLike[str] | Recording] | str | os.PathLike[str] | Recording,
+    sources: Sequence[str | os.PathLike[str] | Recording | RecordLike] | str | os.PathLike[str] | Recording | RecordLike,
     *,
     car: Suspension | None = None,
     settings: Settings | None = None,
@@ -68,7 +69,7 @@ def analyse_drive(
 
     Parameters
     ----------
-    sources : str, path or Recording, or sequence of them
+    sources : str, path, Recording, control.TimeResponseData or what `as_record` takes, or a list of them
         Recordings of one drive, or of several of one car with the same sensors.
     car : Suspension, optional
         Masses and nominal struts; channels are named as its outputs or sensors. Without one: frequencies alone.
@@ -121,14 +122,16 @@ def analyse_drive(
     >>> print(f"{found.estimate.suspension.struts[0].stiffness / 1e3:.1f} kN/m")
     20.0 kN/m
     """
-    every = [sources] if isinstance(sources, str | os.PathLike | Recording) else list(sources)
+    several = isinstance(sources, list | tuple) and not is_pair(sources)
+    every = list(sources) if several else [sources]
     if not every:
         raise InputError("no recording of a drive given; name at least one file")
     settings, step = settings or Settings(), progress or (lambda _: None)
     drives = []
-    for source in every:
+    for number, source in enumerate(every, start=1):
         step("reading")
-        name = source.title if isinstance(source, Recording) else os.fspath(source)
+        read = isinstance(source, str | os.PathLike)
+        name = os.fspath(source) if read else str(getattr(source, "title", None) or f"record {number}")
         with naming(name):
             recording, said = read_drive(source, settings)
             step("finding stretches")
