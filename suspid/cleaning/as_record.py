@@ -90,7 +90,7 @@ def as_record(
         raise RecordError("fs and timepts both state the time: give one of them")
     check_rate(fs)
     if timepts is not None and not np.ndim(timepts):
-        raise RecordError(f"timepts = {timepts!r:.40} is no time of each sample: give fs, the sampling rate in Hz")
+        raise RecordError(f"timepts = {timepts!r:.40} must have a number for each sample; or give fs, the rate in Hz")
     if is_response(data) and np.ndim(data.y) == 2 and fs is None is timepts and channels is None is units:
         response: control.TimeResponseData = data
         samples = real_numbers(response.y, "the response")
@@ -102,9 +102,6 @@ def as_record(
             number = f"{len(values)} channel{'s' * (len(values) != 1)}"
             raise RecordError(Argument("channels", f"{channels!r:.80}"), f" must name {number} in a list, in order")
         names = [str(name) for name in channels]
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise RecordError(Argument("channels"), f": {twice!r} is named twice")
     if timepts is not None:
         time = time_samples(timepts, "timepts")
     if fs is not None:

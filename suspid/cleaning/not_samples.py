@@ -51,7 +51,7 @@ def check_samples(data: Any) -> None:
     if not isinstance(data, Sequence) and not np.ndim(data) and np.asarray(data).dtype == object:
         raise RecordError(
             f"the data is {'None' if data is None else f'of the type {type(data).__name__}'} and contains no samples: "
-            "pass an array with fs=..., a pair (timepts, samples), a table or a response"
+            "pass an array as in as_record(data, fs=...), a pair (timepts, samples), a table or a response"
         )
 
 
@@ -90,7 +90,7 @@ def check_first_row(values: RealArray, names: Sequence[str], fs: Hertz) -> None:
     --------
     >>> check_first_row(np.array([[0.0, 0.1, 0.2], [5.0, 4.0, 3.0]]), ["y[0]", "y[1]"], 10.0)
     Traceback (most recent call last):
-    suspid.errors.RecordError: row 0 of the data is the time, in steps of 0.1: write as_record((data[0], data[1:]))
+    suspid.errors.RecordError: row 0 of the data is the time, in steps of 0.1: write as_record((data[0], data[1:])), with...
     """
     if len(values) < 2 or not (names[0] == "y[0]" or is_time(names[0])) or not runs_evenly(values[0]):
         return
