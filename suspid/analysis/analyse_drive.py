@@ -44,7 +44,11 @@ Step = Callable[[str], None]
 @explained
 @in_one_thread
 def analyse_drive(
-    sources: Sequence[str | os.PathLike[str] | Recording | RecordLike] | str | os.PathLike[str] | Recording | RecordLike,
+    sources: Sequence[str | os.PathLike[str] | Recording | RecordLike]
+    | str
+    | os.PathLike[str]
+    | Recording
+    | RecordLike,
     *,
     car: Suspension | None = None,
     settings: Settings | None = None,

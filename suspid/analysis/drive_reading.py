@@ -22,7 +22,9 @@ from suspid.words import Check, Level, Remark
 from suspid.words.analysis import Note
 
 
-def read_drive(source: str | os.PathLike[str] | Recording | RecordLike, settings: Settings) -> tuple[Recording, tuple[Check, ...]]:
+def read_drive(
+    source: str | os.PathLike[str] | Recording | RecordLike, settings: Settings
+) -> tuple[Recording, tuple[Check, ...]]:
     """Return a recording with channels in SI units where the file states a unit, renamed and scaled, and notes on it.
 
     Names lose the units in brackets behind them where that leaves them different.
