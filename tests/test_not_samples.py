@@ -35,6 +35,9 @@ TIRE = 2 * np.exp(-0.5 * TIME) * np.sin(20 * TIME)
 CAR = suspid.quarter_car(
     chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=2e5, chassis_damping=1500
 )
+STRUCTURED = np.array(list(zip(TIME, SEAT, strict=True)), dtype=[("t", float), ("seat", float)])
+TWICE = pd.DataFrame(np.array([TIME, SEAT, TIRE]).T, columns=["t", "a", "a"])
+TURNS = [lambda t: t[:, None], lambda t: t[None, :], np.ma.masked_array, list, np.asfortranarray]
 S = control.tf("s")
 
 
@@ -51,7 +54,7 @@ S = control.tf("s")
         (lambda: as_record(SEAT, timepts=0.01), "give fs"),
         (lambda: as_record(SEAT, timepts=TIME[:100]), "100 time points, but 400 samples: .* give fs"),
         (
-            lambda: as_record(np.rec.fromarrays([TIME, SEAT], names="t,seat")),
+            lambda: as_record(STRUCTURED),
             r"'t', 'seat': .*pandas.DataFrame\(data\)",
         ),
         (lambda: as_record(None, fs=FS), "is None .* pass an array"),
@@ -60,7 +63,7 @@ S = control.tf("s")
         (lambda: identify(eigenmodes(CAR)), "pass an array"),
         (lambda: as_record(SEAT, fs=FS, channels="seat"), "must name 1 channel in a list"),
         (
-            lambda: as_record(pd.DataFrame(np.array([TIME, SEAT, TIRE]).T, columns=["t", "a", "a"])),
+            lambda: as_record(TWICE),
             "more than once: 'a'",
         ),
         (lambda: as_record(pd.Series(SEAT, index=1e3 * TIME)), r"steps of 10 s are too slow .* 'time \[ms\]'"),
@@ -73,9 +76,7 @@ def test_what_is_no_record_is_told_with_the_line_to_write(make: Callable[[], obj
         make()
 
 
-@pytest.mark.parametrize(
-    "turn", [lambda t: t[:, None], lambda t: t[None, :], np.ma.masked_array, list, np.asfortranarray]
-)
+@pytest.mark.parametrize("turn", TURNS)
 def test_times_as_matlab_writes_them(turn: Callable[[Any], Any]) -> None:
     """A row or a column of times is a vector of them."""
     for record in (as_record((turn(TIME), SEAT)), as_record(SEAT, timepts=turn(TIME))):

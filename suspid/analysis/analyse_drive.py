@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeGuard
 
 import numpy as np
 
@@ -126,16 +126,15 @@ def analyse_drive(
     >>> print(f"{found.estimate.suspension.struts[0].stiffness / 1e3:.1f} kN/m")
     20.0 kN/m
     """
-    several = isinstance(sources, list | tuple) and not is_pair(sources)
-    every = list(sources) if several else [sources]
+    every: list[Any] = list(sources) if _are_several(sources) else [sources]
     if not every:
         raise InputError("no recording of a drive given; name at least one file")
     settings, step = settings or Settings(), progress or (lambda _: None)
     drives = []
     for number, source in enumerate(every, start=1):
         step("reading")
-        read = isinstance(source, str | os.PathLike)
-        name = os.fspath(source) if read else str(getattr(source, "title", None) or f"record {number}")
+        titled = str(getattr(source, "title", None) or f"record {number}")
+        name = os.fspath(source) if isinstance(source, str | os.PathLike) else titled
         with naming(name):
             recording, said = read_drive(source, settings)
             step("finding stretches")
@@ -170,6 +169,15 @@ def analyse_drive(
         notes.append(Check(Remark(DriveRemark.NO_FREQUENCIES, {"why": error.wording}), Level.NONE))
         return DriveAnalysis(drives=tuple(drives), estimate=None, body=None, notes=tuple(notes))
     return DriveAnalysis(drives=tuple(drives), estimate=None, body=body, notes=tuple(notes))
+
+
+def _are_several(sources: object) -> TypeGuard[Iterable[Any]]:
+    """Return whether sources are several records, no path, table, array or pair of time and samples."""
+    if isinstance(sources, str | os.PathLike | Recording | Mapping) or is_pair(sources):
+        return False
+    return isinstance(sources, Iterable) and not any(
+        hasattr(sources, one) for one in ("shape", "dims", "output_labels")
+    )
 
 
 def _rolling(drives: Sequence[Drives], road: str | None, radius: Metre | None) -> dict[str, Any]:

@@ -105,11 +105,7 @@ def as_record(
     if timepts is not None:
         time = time_samples(timepts, "timepts")
     if fs is not None:
-        if time is None:
-            check_first_row(values, names, fs)
-        elif (rate := (time.size - 1) / max(float(np.ptp(time)), 1e-300)) and abs(fs / rate - 1) > EVEN_STEPS:
-            meant = f"fs = {fs:g} Hz replaces the time in the data, which states {rate:.6g} Hz: leave fs out to keep it"
-            warnings.warn(meant, RecordWarning, stacklevel=3)
+        _check_rate_beside(time, values, names, fs)
         time = np.arange(values.shape[1]) / fs
     if time is None:
         first = len(values) > 1 and runs_evenly(values[0])
@@ -131,6 +127,17 @@ def as_record(
     values, names = _converted(values, names, units)
     _check_sizes(names, time, values)
     return as_response(time, values, names, title=str(getattr(data, "title", None) or ""))
+
+
+def _check_rate_beside(time: RealArray | None, values: RealArray, names: Sequence[str], fs: Hertz) -> None:
+    """Refuse a rate where a row is the time, and say where it differs from that of the time that it replaces."""
+    if time is None:
+        check_first_row(values, names, fs)
+        return
+    length = float(np.ptp(time)) if time.size > 1 else 0.0
+    if length and abs(fs * length / (time.size - 1) - 1) > EVEN_STEPS:
+        states = f"the time in the data, which states {(time.size - 1) / length:.6g} Hz"
+        warnings.warn(f"fs = {fs:g} Hz replaces {states}: leave fs out to keep it", RecordWarning, stacklevel=4)
 
 
 def _check_sizes(names: Sequence[str], time: RealArray, values: RealArray) -> None:

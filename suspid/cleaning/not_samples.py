@@ -92,7 +92,7 @@ def check_first_row(values: RealArray, names: Sequence[str], fs: Hertz) -> None:
     --------
     >>> check_first_row(np.array([[0.0, 0.1, 0.2], [5.0, 4.0, 3.0]]), ["y[0]", "y[1]"], 10.0)
     Traceback (most recent call last):
-    suspid.errors.RecordError: row 0 of the data is the time, in steps of 0.1: write as_record((data[0], data[1:])), with...
+    suspid.errors.RecordError: row 0 of the data is the time, in steps of 0.1: write as_record((data[0], data[1:]))...
     """
     if len(values) < 2 or not (names[0] == "y[0]" or is_time(names[0])) or not runs_evenly(values[0]):
         return

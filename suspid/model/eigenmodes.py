@@ -39,8 +39,8 @@ def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
     Raises
     ------
     InputError
-        If the system is none of these, is a transfer function that cannot be realised, or is sampled and has no sampling time or has a pole at
-        z = 0 (a pure delay).
+        If the system is none of these, is a transfer function that cannot be realised, or is sampled and has no
+        sampling time or has a pole at z = 0 (a pure delay).
 
     Examples
     --------
