@@ -62,7 +62,7 @@ def explained(verb: Callable[Given, Returned]) -> Callable[Given, Returned]:
             raise
         except Exception as error:
             try:
-                given = inspect.signature(verb).bind_partial(*args, **kwargs).arguments
+                given = inspect.signature(verb).bind(*args, **kwargs).arguments
             except TypeError as unfit:
                 # Python's own message names the function; that of the binding does not.
                 raise misfit(verb, error if isinstance(error, TypeError) else unfit, args, kwargs) from None

@@ -28,6 +28,15 @@ CALLED_HERE: Mapping[str, tuple[str, ...]] = {
 }
 
 
+def _elsewhere(verb: Callable[..., object], name: str) -> str:
+    """Return where an argument goes that other functions have: into the settings, or with the samples into a record."""
+    parameters = inspect.signature(verb).parameters
+    settings = inspect.unwrap(verb).__globals__.get("Settings") if "settings" in parameters else None
+    if settings is not None and name in inspect.signature(settings).parameters:
+        return f"it is one of the settings: settings=Settings({name}=…)"
+    return "it belongs to the samples: pass as_record(data, fs=…)" if name == "fs" else ""
+
+
 def misfit(
     verb: Callable[..., object], error: TypeError, args: Sequence[object], kwargs: Mapping[str, object]
 ) -> TypeError:
@@ -44,6 +53,8 @@ def misfit(
     unknown = [name for name in kwargs if name not in parameters]
     if unknown:
         here = [name for name in CALLED_HERE.get(unknown[0], ()) if name in parameters][:1]
+        if not here and (elsewhere := _elsewhere(verb, unknown[0])):
+            return TypeError(f"{error}; {elsewhere}")
         way = f" Did you mean {here[0]!r}?" if here else nearest_names(unknown[0], list(parameters))
         return TypeError(f"{error}.{way}")
     way = f"help(suspid.{verb.__qualname__}) describes it"

@@ -214,7 +214,7 @@ class TestGaps:
     def test_a_long_one_within_is_refused_with_the_stretch_to_take(self) -> None:
         values = decay(T)
         values[600:700] = np.nan
-        with pytest.raises(RecordError, match=r"start=3.5, stop=9.995"):
+        with pytest.raises(RecordError, match=r"start=3.5 and stop=9.995"):
             clean(recording(T, values))
         assert not clean(recording(T, values), start=3.5, stop=9.995).findings
 

@@ -206,7 +206,7 @@ class TestSinceADate:
         stamps = np.asarray(604_000.25 + STEP * rows, float)
         raw = RawChannel(name="seat", unit="m", timepts=stamps, values=np.sin(20 * stamps), rate=None)
         with pytest.raises(
-            RecordError, match=r"start=604000\.25, stop=604008\.745|start=604010\.755, stop=604020\.245"
+            RecordError, match=r"start=604000\.25 and stop=604008\.745|start=604010\.755 and stop=604020\.245"
         ):
             clean(Recording(title="", channels=(raw,)))
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeGuard
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.settings import Settings
 from suspid.arguments import explained
+from suspid.cleaning import RecordLike, is_pair
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.files import naming, printable
 from suspid.greybox import (
@@ -43,7 +44,11 @@ Step = Callable[[str], None]
 @explained
 @in_one_thread
 def analyse_drive(
-    sources: Sequence[str | os.PathLike[str] | Recording] | str | os.PathLike[str] | Recording,
+    sources: Sequence[str | os.PathLike[str] | Recording | RecordLike]
+    | str
+    | os.PathLike[str]
+    | Recording
+    | RecordLike,
     *,
     car: Suspension | None = None,
     settings: Settings | None = None,
@@ -68,7 +73,7 @@ def analyse_drive(
 
     Parameters
     ----------
-    sources : str, path or Recording, or sequence of them
+    sources : str, path, Recording, control.TimeResponseData or what `as_record` takes, or a list of them
         Recordings of one drive, or of several of one car with the same sensors.
     car : Suspension, optional
         Masses and nominal struts; channels are named as its outputs or sensors. Without one: frequencies alone.
@@ -121,14 +126,15 @@ def analyse_drive(
     >>> print(f"{found.estimate.suspension.struts[0].stiffness / 1e3:.1f} kN/m")
     20.0 kN/m
     """
-    every = [sources] if isinstance(sources, str | os.PathLike | Recording) else list(sources)
+    every: list[Any] = list(sources) if _are_several(sources) else [sources]
     if not every:
         raise InputError("no recording of a drive given; name at least one file")
     settings, step = settings or Settings(), progress or (lambda _: None)
     drives = []
-    for source in every:
+    for number, source in enumerate(every, start=1):
         step("reading")
-        name = source.title if isinstance(source, Recording) else os.fspath(source)
+        titled = str(getattr(source, "title", None) or f"record {number}")
+        name = os.fspath(source) if isinstance(source, str | os.PathLike) else titled
         with naming(name):
             recording, said = read_drive(source, settings)
             step("finding stretches")
@@ -163,6 +169,15 @@ def analyse_drive(
         notes.append(Check(Remark(DriveRemark.NO_FREQUENCIES, {"why": error.wording}), Level.NONE))
         return DriveAnalysis(drives=tuple(drives), estimate=None, body=None, notes=tuple(notes))
     return DriveAnalysis(drives=tuple(drives), estimate=None, body=body, notes=tuple(notes))
+
+
+def _are_several(sources: object) -> TypeGuard[Iterable[Any]]:
+    """Return whether sources are several records, no path, table, array or pair of time and samples."""
+    if isinstance(sources, str | os.PathLike | Recording | Mapping) or is_pair(sources):
+        return False
+    return isinstance(sources, Iterable) and not any(
+        hasattr(sources, one) for one in ("shape", "dims", "output_labels")
+    )
 
 
 def _rolling(drives: Sequence[Drives], road: str | None, radius: Metre | None) -> dict[str, Any]:

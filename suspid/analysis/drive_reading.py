@@ -11,9 +11,9 @@ import numpy as np
 from suspid.analysis.drive_vertical import upright
 from suspid.analysis.reading import channel_named
 from suspid.analysis.settings import Settings
-from suspid.cleaning import to_si, unmarked
+from suspid.cleaning import RecordLike, to_si, unmarked
 from suspid.errors import InputError, RecordError
-from suspid.greybox import own_unit
+from suspid.greybox import own_unit, recording_of
 from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
 from suspid.units import ROAD_SPEEDS
@@ -22,7 +22,9 @@ from suspid.words import Check, Level, Remark
 from suspid.words.analysis import Note
 
 
-def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -> tuple[Recording, tuple[Check, ...]]:
+def read_drive(
+    source: str | os.PathLike[str] | Recording | RecordLike, settings: Settings
+) -> tuple[Recording, tuple[Check, ...]]:
     """Return a recording with channels in SI units where the file states a unit, renamed and scaled, and notes on it.
 
     Names lose the units in brackets behind them where that leaves them different.
@@ -34,8 +36,8 @@ def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -
     InputError
         If renaming leaves two channels of the same name.
     """
-    if isinstance(source, Recording):
-        return _wanted(source, settings)
+    if not isinstance(source, str | os.PathLike):
+        return _wanted(recording_of(source), settings)
     recording = read_recording(source, time=settings.time, fs=settings.fs, dbc=settings.dbc)
     return _wanted(recording, settings)
 

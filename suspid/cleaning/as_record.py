@@ -11,6 +11,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning.conversions import converted
 from suspid.cleaning.data_forms import RecordLike, is_response, samples_of, time_samples
+from suspid.cleaning.not_samples import EVEN_STEPS, check_first_row, runs_evenly
 from suspid.errors import RecordError, RecordWarning
 from suspid.io import SLOWEST_STEP
 from suspid.records import as_response
@@ -73,7 +74,7 @@ def as_record(
     Warns
     -----
     RecordWarning
-        If the steps, in seconds, are too slow for a suspension.
+        If the steps, in seconds, are too slow for a suspension, or ``fs`` is not the rate of the time that it replaces.
 
     Examples
     --------
@@ -88,6 +89,8 @@ def as_record(
     if fs is not None and timepts is not None:
         raise RecordError("fs and timepts both state the time: give one of them")
     check_rate(fs)
+    if timepts is not None and not np.ndim(timepts):
+        raise RecordError(f"timepts = {timepts!r:.40} must have a number for each sample; or give fs, the rate in Hz")
     if is_response(data) and np.ndim(data.y) == 2 and fs is None is timepts and channels is None is units:
         response: control.TimeResponseData = data
         samples = real_numbers(response.y, "the response")
@@ -96,19 +99,26 @@ def as_record(
     values, time, names = samples_of(data, None if timepts is None else np.size(timepts), own_units=units is None)
     if channels is not None:
         if isinstance(channels, str) or len(channels) != len(values):
-            raise RecordError(Argument("channels", f"{channels!r:.80}"), f" must name {len(values)} channels, in order")
+            number = f"{len(values)} channel{'s' * (len(values) != 1)}"
+            raise RecordError(Argument("channels", f"{channels!r:.80}"), f" must name {number} in a list, in order")
         names = [str(name) for name in channels]
     if timepts is not None:
         time = time_samples(timepts, "timepts")
     if fs is not None:
+        _check_rate_beside(time, values, names, fs)
         time = np.arange(values.shape[1]) / fs
     if time is None:
+        first = len(values) > 1 and runs_evenly(values[0])
         raise RecordError(
             "an array has no time: write as_record(data, fs=...) with the sampling rate in Hz, or "
-            "as_record((timepts, data)) with the time of each sample in s"
+            + ("as_record((data[0], data[1:])), as row 0 increases like a time" if first else "")
+            + ("" if first else "as_record((timepts, data)) with the time of each sample in s")
         )
     if time.ndim != 1 or time.size != values.shape[1]:
-        raise RecordError(f"{time.size} time points, but {values.shape[1]} samples")
+        raise RecordError(
+            f"{time.size} time points, but {values.shape[1]} samples: each sample needs one; or give fs, the sampling "
+            "rate in Hz"
+        )
     # A rate below 1 Hz is likely a step. A column of a table states its unit, or is asked for it.
     own = fs is None is timepts and not isinstance(data, tuple)
     if time.size > 1 and (step := uniform_step(time)) >= SLOWEST_STEP and not own and (fs is None or fs < 1):
@@ -117,6 +127,17 @@ def as_record(
     values, names = _converted(values, names, units)
     _check_sizes(names, time, values)
     return as_response(time, values, names, title=str(getattr(data, "title", None) or ""))
+
+
+def _check_rate_beside(time: RealArray | None, values: RealArray, names: Sequence[str], fs: Hertz) -> None:
+    """Refuse a rate where a row is the time, and say where it differs from that of the time that it replaces."""
+    if time is None:
+        check_first_row(values, names, fs)
+        return
+    length = float(np.ptp(time)) if time.size > 1 else 0.0
+    if length and abs(fs * length / (time.size - 1) - 1) > EVEN_STEPS:
+        states = f"the time in the data, which states {(time.size - 1) / length:.6g} Hz"
+        warnings.warn(f"fs = {fs:g} Hz replaces {states}: leave fs out to keep it", RecordWarning, stacklevel=4)
 
 
 def _check_sizes(names: Sequence[str], time: RealArray, values: RealArray) -> None:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from suspid.cleaning.conversions import converted, si_unit
+from suspid.cleaning.not_samples import check_samples
 from suspid.cleaning.times_of_day import elapsed
 from suspid.errors import RecordError
-from suspid.files import printable
 from suspid.io import bracketed_unit, is_time, seconds_in
-from suspid.recordings import Recording
 from suspid.signals import real_numbers
 from suspid.units import RealArray
 from suspid.values import listed
@@ -30,7 +28,12 @@ def is_response(data: RecordLike) -> bool:
 
 def is_pair(data: RecordLike) -> bool:
     """Return whether data is a pair of time points and samples."""
-    return isinstance(data, tuple) and len(data) == 2 and not is_response(data[0]) and np.ndim(data[0]) == 1
+    return isinstance(data, tuple) and len(data) == 2 and not is_response(data[0]) and _is_vector(data[0])
+
+
+def _is_vector(data: RecordLike) -> bool:
+    """Return whether an array is a vector, or a row or column, which MATLAB writes instead."""
+    return np.ndim(data) == 1 or (np.ndim(data) == 2 and 1 in np.shape(data))
 
 
 def samples_of(
@@ -51,18 +54,10 @@ def samples_of(
         return _of_xarray(data, samples, own_units=own_units)
     if isinstance(data, list | tuple) and len(data) and all(map(is_response, data)):
         raise RecordError(f"{len(data)} responses: pass one of them, or all to identify_repeats")
+    check_samples(data)
     if is_pair(data):
         values = _matrix(data[1], np.size(data[0]))
         return values, time_samples(data[0], "time"), _numbered(values)
-    if isinstance(data, str) or hasattr(data, "__fspath__"):
-        raise RecordError(f"{printable(str(data))!r:.80} is a path: read it with read_record, or pass it to analyse")
-    if isinstance(data, Mapping):
-        raise RecordError(
-            "a mapping of names to samples: write as_record([*data.values()], channels=[*data], fs=...) with the "
-            "sampling rate in Hz, without the time"
-        )
-    if isinstance(data, Recording):
-        raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
     values = _matrix(data, samples)
     return values, None, _numbered(values)
 
@@ -104,7 +99,8 @@ def _of_pandas(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]
         for k, name in enumerate(table.columns)
     }
     if len(columns) < table.shape[1]:
-        raise RecordError(f"{table.shape[1]} columns, but {len(columns)} names: name every column once")
+        twice = listed([str(name) for name in dict.fromkeys(table.columns[table.columns.duplicated()])])
+        raise RecordError(f"{table.shape[1]} columns, but {len(columns)} names; named more than once: {twice}")
     if (levels := table.index.nlevels) > 1:
         first = f"data.xs({table.index[0][0]!r})" if levels == 2 else "data.xs(...)"
         raise RecordError(f"the index has {levels} levels: choose one record, as in {first}, so that the time is left")
@@ -152,7 +148,7 @@ def _index_time(index: RecordLike) -> RealArray | None:
     if index.dtype.kind not in "iuf" or (not name and index.dtype.kind != "f"):
         return None
     stamps = np.asarray(index.to_numpy(), float)
-    return stamps if not name else seconds_in(name, stamps)
+    return seconds_in(name or "time", stamps)
 
 
 def _column_time(name: str, column: RecordLike) -> RealArray | None:
@@ -240,5 +236,6 @@ def _numbered(values: RealArray) -> list[str]:
 def time_samples(data: RecordLike, what: str) -> RealArray:
     """Return time points [s]: numbers, or what dates, durations and times of day have since the first."""
     array = np.asarray(data)
+    array = array.ravel() if _is_vector(array) else array
     times = elapsed(array) if array.ndim == 1 and array.dtype.kind in "mMOUT" else None
-    return real_samples(data, what) if times is None else times
+    return real_samples(np.ma.ravel(data) if np.ma.isMaskedArray(data) else array, what) if times is None else times

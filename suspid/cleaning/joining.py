@@ -154,7 +154,7 @@ def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | 
         f"the longest in {', '.join(map(repr, gaps))} from {moment(times[begin[k]])} to {moment(times[end[k] - 1])} s; "
         f"the longest stretch without such a gap is {moment(low)} to {moment(high)} s: take it with ",
         Argument("start", moment(low)),
-        ", ",
+        " and ",
         Argument("stop", moment(high)),
     )
 

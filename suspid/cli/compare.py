@@ -198,7 +198,12 @@ def _kind(path: Path) -> str:
             if {"masses", "quarter_car", "half_car", "full_car"} & set(parsed_toml(read_text(path))):
                 raise InputError("is a car, not a result: write its modes with `suspid modes CAR --json FILE`")
             return "modes"
-        form = parsed_json(read_text(path)).get("format")
+        text = read_text(path)
+        try:
+            form = parsed_json(text).get("format")
+        except InputError as error:
+            way = "" if path.suffix.lower() == ".json" else ", as `suspid identify RECORD --json FILE` does"
+            raise InputError(f"{error.message}{way}") from None
     return next((kind for start, kind in HELD_BY_FORMAT.items() if str(form).startswith(start)), "modes")
 
 

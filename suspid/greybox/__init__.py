@@ -26,6 +26,7 @@ from suspid.greybox.estimate import estimate
 from suspid.greybox.estimate_tables import parameter_table, parameter_unit, quantities_in
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.find_drives import find_drives
+from suspid.greybox.find_drives import recording_of as recording_of
 from suspid.greybox.line_test import LineTest
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.roads import RoadEstimate

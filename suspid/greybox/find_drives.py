@@ -95,7 +95,7 @@ def find_drives(
     22 … 30 s left: braking or accelerating with up to 2 m/s2 (limit 1.5 m/s2)
     30 … 60 s taken: moving at 20 m/s
     """
-    whole, limits = _opened(recording), limits or DriveLimits()
+    whole, limits = recording_of(recording), limits or DriveLimits()
     needed = _needed(whole, car, channels)
     # The speed is that of the car also where it is named among the channels.
     own = [name for name in needed or () if order_in(car, name) is not None or not names_speed(name)]
@@ -157,7 +157,14 @@ def _far_off(outliers: Sequence[Finding]) -> list[Check]:
     return [Check(Remark(DriveRemark.OUTLIERS, numbers), Level.NOTE)]
 
 
-def _opened(recording: Recording | RecordLike) -> Recording:
+def recording_of(recording: Recording | RecordLike) -> Recording:
+    """Return a recording as it is, and a response or a table as one, without units.
+
+    Examples
+    --------
+    >>> recording_of((np.arange(3) / 10, np.zeros(3))).names
+    ('y[0]',)
+    """
     if isinstance(recording, Recording):
         return recording
     signal = as_signal(as_record(recording))

@@ -28,24 +28,14 @@ KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 # Columns of these names are not taken for the time: they are parts of a date.
 DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
-TIME_NAMES |= {"timeelapsed"}
 TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
-TIME_NAMES |= {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
+TIME_NAMES |= {"timeelapsed"} | ({name for name in PER_SECOND if len(name) > 2} - DATE_PARTS)
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
 RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
 # How many hertz make a unit of a rate.
 HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
-STEP_NAMES = {
-    "dt",
-    "ts",
-    "deltat",
-    "timestep",
-    "sampletime",
-    "samplingtime",
-    "sampleinterval",
-    "samplinginterval",
-}
+STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
 STEP_NAMES |= {"increment", "xincrement", "deltax"}
 # Words of which one makes a name read like a time, if the numbers run as a clock does.
 TIME_WORDS = {"time", "times", "timestamp", "elapsed", "clock", "seconds", "secs", "sec", "millis", "micros", "date"}
@@ -69,6 +59,11 @@ BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\](
 # Units behind a name after a line or a blank. Others are words or sides as well: m, g, in, rad.
 SUFFIXED = re.compile(
     r".*[^\W_][\s_]+((?:[mcuµμ]m|[mc]?m/s|[mc]?m/s(?:\^?2|²)|ms2|mps2?|deg(?:/s)?|dps|rad/s)|(?-i:kN))", re.IGNORECASE
+)
+
+# Units behind a quantity and a solidus, as DIN 1313 and ISO 80000 head columns; behind a unit they are a ratio.
+HEADED = re.compile(
+    r"(?!(?:k?N|Nm|m?V|[mcuµμ]?m|rad|deg|°) ?/)[^\W\d_]+ ?/ ?([mcuµμ]m|[mc]?m/s(?:\^?2|²)?|(?:deg|°)(?:/s)?|rad/s|kN)"
 )
 
 
@@ -114,8 +109,10 @@ def unit_in_name(name: str) -> str:
     --------
     >>> [unit_in_name(name) for name in ("seat [mm]", "seat_mm", "a_seat_m/s2", "front kN", "z_seat_m", "mm")]
     ['mm', 'mm', 'm/s2', 'kN', '', '']
+    >>> [unit_in_name(name) for name in ("seat/mm", "a / m/s²", "N/mm", "imu/g")]
+    ['mm', 'm/s²', '', '']
     """
-    found = SUFFIXED.fullmatch(plain(name))
+    found = SUFFIXED.fullmatch(plain(name)) or HEADED.fullmatch(plain(name))
     return bracketed_unit(name) or (found[1] if found else "")
 
 

@@ -125,6 +125,8 @@ def _parameters(one: object) -> FoundParameters | None:
 def _check_rtol(rtol: Ratio | None) -> None:
     if rtol is not None and not (np.isfinite(rtol) and rtol >= 0):
         raise InputError(f"{rtol=} must be a finite number >= 0, relative to each expected value")
+    if rtol is not None and rtol > 1:
+        raise InputError(f"{rtol=} allows {rtol:.0%} of each value: give a ratio below 1, such as 0.02 for 2 %")
 
 
 def _by_quantity(rtol: Ratio | Mapping[str, Ratio] | None) -> dict[str, Ratio]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,8 +39,8 @@ def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
     Raises
     ------
     InputError
-        If the system is neither of the two, or is sampled and has no sampling time or has a pole at
-        z = 0 (a pure delay).
+        If the system is none of these, is a transfer function that cannot be realised, or is sampled and has no
+        sampling time or has a pole at z = 0 (a pure delay).
 
     Examples
     --------
@@ -55,14 +56,11 @@ def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
         matrix, channels, dt = state_matrix(system), system.coordinates, None
         outputs = np.eye(len(channels), len(matrix))
     else:
-        if not hasattr(system, "A") and hasattr(system, "num"):
-            # A transfer function; the poles of the realisation are its own.
-            import control
-
-            system = control.ss(system)
+        if not hasattr(system, "A") and hasattr(system, "num") and hasattr(system, "output_labels"):
+            system = _realised(system)
         if not hasattr(system, "A") or not hasattr(system, "output_labels"):
             needed = "a control.StateSpace, a control.TransferFunction or a Suspension"
-            raise InputError(f"eigenmodes needs {needed}, not {type(system).__name__}")
+            raise InputError(f"eigenmodes needs {needed}, not {type(system).__name__}{_instead(system)}")
         matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)
         channels, dt = tuple(system.output_labels), system.dt
     poles, vectors = np.linalg.eig(matrix)
@@ -80,6 +78,39 @@ def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
     shapes[np.abs(shapes) <= 1e-12 * (np.abs(outputs) @ np.abs(vectors))] = 0.0
     upper = poles.imag >= 0
     return ModalSet(poles=poles[upper], shapes=scaled_shapes(shapes[:, upper]), channels=channels)
+
+
+def _realised(system: control.TransferFunction) -> control.StateSpace:
+    """Return a transfer function in state space; the poles of the realisation are its own."""
+    import control
+
+    try:
+        return control.ss(system)
+    except control.ControlMIMONotImplemented:
+        raise InputError(
+            f"a transfer function of {system.noutputs} outputs and {system.ninputs} inputs is realised with slycot "
+            "alone: install it, pass the model as a control.StateSpace, or one element, such as system[0, 0]"
+        ) from None
+    except ValueError as error:
+        raise InputError(
+            f"{error}: the degree of its numerator is the higher one; its modes are those of "
+            "control.tf(1, system.den[0][0])"
+        ) from None
+
+
+def _instead(system: object) -> str:
+    """Return what to write where the argument is something else that modes are known of."""
+    if isinstance(system, str | os.PathLike):
+        return "; read_car reads one from a file"
+    if hasattr(system, "output_labels") and hasattr(system, "y"):
+        return "; identify finds the modes of a record"
+    if hasattr(system, "frdata") or hasattr(system, "fresp"):
+        return "; frequency responses are samples, without poles: pass the model, or identify the record"
+    if np.ndim(system) == 2:  # type: ignore[arg-type]
+        return "; write control.ss(A, B, C, D) for a state matrix"
+    if hasattr(system, "zeros") and hasattr(system, "poles"):
+        return "; write control.ss(A, B, C, D) or control.tf(num, den) with the numbers of the system"
+    return ""
 
 
 def scaled_shapes(shapes: ComplexArray) -> ComplexArray:

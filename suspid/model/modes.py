@@ -148,7 +148,7 @@ class ModalSet(Result):
         (array([70.]), [0.3, 0.2])
         """
         if isinstance(index, int | np.integer) and not -len(self) <= index < len(self):
-            raise IndexError(f"there is no mode {index}: there are {len(self)}")
+            raise IndexError(f"there is no mode {index}: there are {len(self)}, numbered from 0")
         given: object = index
         if isinstance(given, str):
             raise InputError(

@@ -54,7 +54,11 @@ class Note(Code):
         sentence(
             lambda n: (
                 f"the decay from {moment(float(str(n['start'])))} to {moment(float(str(n['stop'])))} s is used"
-                + (f"; {n['others']} more were found: see {Argument('decay')}" if n["others"] else "")
+                + (
+                    f"; {n['others']} more {'was' if n['others'] == 1 else 'were'} found: see {Argument('decay')}"
+                    if n["others"]
+                    else ""
+                )
             )
         ),
     )

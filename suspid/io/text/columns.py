@@ -19,7 +19,7 @@ ATOM = (
 )
 UNIT = re.compile(
     rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
-    r"|[Ss]econds?|[Vv]olts?|Sequence"
+    r"|[Ss]econds?|[Vv]olts?|Sequence|(?i:(?:milli|centi)?met(?:er|re)s?|inches|feet|degrees?|radians?)"
 )
 
 # Letters of the longest unit that is taken for one beside others that are known.

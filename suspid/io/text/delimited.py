@@ -7,9 +7,11 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from suspid.errors import RecordError
 from suspid.files import read_bytes
-from suspid.io.names import bare_name, is_time
+from suspid.io.names import PER_SECOND, bare_name, is_time, split_unit
 from suspid.io.tables import Table, TimeBase
 from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
@@ -17,6 +19,7 @@ from suspid.io.text.endings import is_open
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
+from suspid.units import RealArray
 from suspid.values import listed
 from suspid.wording import Argument
 from suspid.words import LeftOut, Remark
@@ -72,6 +75,7 @@ def read_delimited(path: Path) -> Table:
     usable = [name for name in layout.names if name and name not in counter and name not in blank]
     numeric = [name for name in usable if layout.kinds[name] in ("number", "missing")]
     clock, others = _clock(rows, numeric)
+    numeric = [name for name in numeric if name not in others]
     return Table(
         sizes=dict.fromkeys(numeric, rows.size),
         columns=rows.columns,
@@ -149,8 +153,27 @@ def _clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dict[st
     chosen = next((names[0] for names in (named, stamps) if len(names) == 1), None)
     if chosen is None:
         return None, reasons
-    if any(is_time(name) for name in numeric):
-        return None, {**reasons, chosen: Remark(LeftOut.SPARE_TIMES)}
     start = next(rows.cells(chosen), "")
+    times = [name for name in numeric if is_time(name)]
+    parts = _parted(rows, chosen, times)
+    if parts is not None:
+        said = {chosen: Remark(LeftOut.TIME, {"start": start}), times[0]: Remark(LeftOut.PARTS, {"other": chosen})}
+        return TimeBase(name=chosen, stamps=lambda: parts), {**reasons, **said}
+    if times:
+        return None, {**reasons, chosen: Remark(LeftOut.SPARE_TIMES)}
     clock = TimeBase(name=chosen, stamps=lambda: seconds(rows.cells(chosen)))
     return clock, {**reasons, chosen: Remark(LeftOut.TIME, {"start": start})}
+
+
+def _parted(rows: Rows, chosen: str, times: Sequence[str]) -> RealArray | None:
+    """Return the stamps [s] of times of day in whole seconds and the parts of each second beside them; None of others.
+
+    The parts fall where a second begins, and both together rise from row to row.
+    """
+    if len(times) != 1 or PER_SECOND.get(split_unit(times[0])[0], 0.0) <= 1:
+        return None
+    per, parts = PER_SECOND[split_unit(times[0])[0]], rows.columns(times)[0]
+    if not (np.all((parts >= 0) & (parts < per)) and np.any(np.diff(parts) < 0)):
+        return None
+    stamps = seconds(rows.cells(chosen)) + parts / per
+    return stamps if np.all(np.diff(stamps) > 0) else None
