@@ -93,6 +93,7 @@ class TestWhatAnalyseSays:
             assert all(row["channels"] == ["chassis", "tire"] and row["samples"] == 300 for row in mine)
             assert {row["verdict"] for row in mine} == {found.verdict.level.label}
             assert all(row["doubts"] == [str(doubt.code) for doubt in found.verdict.doubts] for row in mine)
+            assert all(row["doubts_in_words"] == [str(doubt) for doubt in found.verdict.doubts] for row in mine)
 
     def test_springs_are_those_of_the_car(self, run: FleetRun) -> None:
         table = rows(run, "springs")

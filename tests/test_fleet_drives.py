@@ -136,6 +136,7 @@ class TestRows:
         assert found.wear is not None
         assert row["verdict"] == found.verdict.level.label
         assert row["doubts"] == [str(doubt.code) for doubt in found.verdict.doubts]
+        assert row["doubts_in_words"] == [str(doubt) for doubt in found.verdict.doubts]
         values = dict(zip(found.estimate.parameters, found.estimate.values, strict=True))
         # Another number of threads may round otherwise.
         assert row["chassis.damping"] == pytest.approx(values["chassis.damping"], rel=1e-6)

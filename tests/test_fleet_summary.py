@@ -187,9 +187,9 @@ class TestCounts:
         ]
         blank = dict.fromkeys(TABLE_COLUMNS["modes"]) | {"f_hz": 1.0, "zeta": 0.1}
         modes = [
-            blank | {"record": f"r{k}", "mode": mode, "verdict": verdict, "doubts": doubts, "remarks": "; ".join(said)}
+            blank | {"record": f"r{k}", "mode": mode, "verdict": verdict, "doubts": doubts, "doubts_in_words": said}
             for k, (verdict, doubts, said) in enumerate(
-                [("care", ["a", "b"], ["A.", "B of 0."]), ("sound", [], ["C."]), ("care", ["b"], ["B of 2.", "C."])]
+                [("care", ["a", "b"], ["A; or not.", "B of 0."]), ("sound", [], []), ("care", ["b"], ["B of 2."])]
             )
             for mode in (1, 2)
         ]
@@ -204,8 +204,8 @@ class TestCounts:
         said = {check.remark.code: check.remark.numbers for check in summary.verdict.checks}
         assert said[FleetCheck.CARE] == {"care": 2}
         assert summary.doubts == {"b": 2, "a": 1}
-        assert summary.said == {"a": "A.", "b": "B of 2."}
-        assert "B of 2." in str(summary)
+        assert summary.said == {"a": "A; or not.", "b": "B of 0."}
+        assert "B of 0." in str(summary)
 
 
 class TestTrends:

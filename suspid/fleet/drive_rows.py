@@ -14,7 +14,7 @@ from suspid.files import printable
 from suspid.fleet.failures import failure, which
 from suspid.fleet.job import DriveJob, Job
 from suspid.fleet.records import Entry, Seen
-from suspid.fleet.tables import Row, Rows, dampers_named, drives_layout
+from suspid.fleet.tables import Row, Rows, dampers_named, doubts_of, drives_layout
 from suspid.greybox import Estimate, parameter_unit
 from suspid.model import car_from_toml, value_in
 from suspid.performance import DamperWear, Grip, Wear, rates_of
@@ -81,7 +81,7 @@ def _of_drive(found: DriveAnalysis, entry: Entry) -> dict[str, object]:
         "vehicle": entry.vehicle,
         "time": entry.when,
         "verdict": verdict.level.label,
-        "doubts": list(dict.fromkeys(str(doubt.code) for doubt in verdict.doubts)),
+        **doubts_of(verdict),
         "notes": list(dict.fromkeys(str(note.code) for note in verdict.notes)),
         "remarks": printable("; ".join(said)),
         "stretches": len(stretches),

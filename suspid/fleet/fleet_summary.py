@@ -94,7 +94,7 @@ def fleet_summary(
     if drives:
         names, placed = placed_drives(place)
         first, quantities = (
-            read_table(place, "drives", columns=["verdict", "doubts", "remarks"]),
+            read_table(place, "drives", columns=["verdict", "doubts", "doubts_in_words"]),
             body_quantities(place),
         )
     else:
@@ -138,11 +138,10 @@ def fleet_summary(
 
 
 def _said(first: pa.Table) -> dict[str, str]:
-    """Return a sentence for each doubt that is the gravest of some record: its remarks begin with that doubt's."""
+    """Return for each doubt what is said of it in the first record that has it."""
     found: dict[str, str] = {}
-    for doubts, remarks in zip(first["doubts"].to_pylist(), first["remarks"].to_pylist(), strict=True):
-        if doubts and remarks:
-            found.setdefault(doubts[0], remarks.partition("; ")[0])
+    for doubts, words in zip(first["doubts"].to_pylist(), first["doubts_in_words"].to_pylist(), strict=True):
+        found = dict(zip(doubts or (), words or (), strict=False)) | found
     return found
 
 
@@ -170,8 +169,8 @@ def _failures(folder: Path) -> tuple[FailureCount, ...]:
 
 
 def _first_rows(folder: Path) -> pa.Table:
-    """Return verdict, doubts and remarks of each record: they are the same in the rows of all its modes."""
-    table = read_table(folder, "modes", columns=["mode", "verdict", "doubts", "remarks"])
+    """Return verdict and doubts of each record: they are the same in the rows of all its modes."""
+    table = read_table(folder, "modes", columns=["mode", "verdict", "doubts", "doubts_in_words"])
     return table.take(np.flatnonzero(table["mode"].to_numpy() == 1))
 
 

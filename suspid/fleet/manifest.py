@@ -14,7 +14,7 @@ from suspid.files import printable, read_text
 from suspid.io import install_line
 from suspid.wording import Argument
 
-FLEET_FORMAT = "suspid fleet 3"
+FLEET_FORMAT = "suspid fleet 4"
 # Differences of settings that a message lists.
 MOST_DIFFERENCES = 4
 INSTALL = install_line("fleet")

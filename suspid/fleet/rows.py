@@ -14,7 +14,7 @@ from suspid.fleet.drive_rows import drive_rows
 from suspid.fleet.failures import failure, which, why_of
 from suspid.fleet.job import Job
 from suspid.fleet.records import Entry, Seen, source_of
-from suspid.fleet.tables import Row, Rows
+from suspid.fleet.tables import Row, Rows, doubts_of
 from suspid.model import car_from_toml
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.signals import as_signal
@@ -118,7 +118,7 @@ def _said(found: Analysis) -> dict[str, object]:
     sentences = dict.fromkeys([*map(str, verdict.doubts), *map(str, findings), *map(str, found.notes)])
     return {
         "verdict": verdict.level.label,
-        "doubts": list(dict.fromkeys(str(one.code) for one in verdict.doubts)),
+        **doubts_of(verdict),
         "findings": list(dict.fromkeys(str(one.kind) for one in findings)),
         "notes": list(dict.fromkeys(str(one.code) for one in found.notes)),
         "remarks": printable("; ".join(sentences)),

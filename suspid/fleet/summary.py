@@ -104,7 +104,7 @@ class FleetSummary(Result):
     car : Suspension or None
         The nominal car that the run was given.
     said : mapping of str to str
-        For each doubt that is the gravest of some record what is said of the first of these.
+        For each doubt what is said of it in the first record that has it.
 
     Examples
     --------

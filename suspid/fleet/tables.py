@@ -10,9 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from suspid.errors import InputError
+from suspid.files import printable
 from suspid.model import Suspension, car_from_toml
 from suspid.performance import dampers_between
 from suspid.reconstruction import QUANTITIES
+from suspid.words import Verdict
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -39,7 +41,7 @@ TABLE_COLUMNS: dict[TableName, dict[str, str]] = {
         "channels": "strings",
         **dict.fromkeys(("explained", "noise_std", "shape_real", "shape_imag"), "numbers"),
         "verdict": "string",
-        **dict.fromkeys(("doubts", "findings", "notes"), "strings"),
+        **dict.fromkeys(("doubts", "doubts_in_words", "findings", "notes"), "strings"),
         "remarks": "string",
     },
     "springs": {
@@ -61,7 +63,7 @@ DRIVE_COLUMNS = {
     "vehicle": "string",
     "time": "double",
     "verdict": "string",
-    **dict.fromkeys(("doubts", "notes"), "strings"),
+    **dict.fromkeys(("doubts", "doubts_in_words", "notes"), "strings"),
     "remarks": "string",
     "stretches": "int32",
     **dict.fromkeys(("used_s", "length_s", "speed_m_per_s"), "double"),
@@ -95,6 +97,7 @@ MEANINGS = {
     "noise_std": "standard deviation of the noise, by channel",
     "decays": "how many decays were used",
     "doubts": "codes of what speaks against the result",
+    "doubts_in_words": "a sentence for each of the doubts",
     "findings": "codes of defects of the recording that were found",
     "notes": "codes of what was done on the way",
     "remarks": "doubts, findings and notes in words",
@@ -213,6 +216,14 @@ def layout_of(manifest: Mapping[str, object]) -> Layout:
     """Return the tables of the run that a manifest describes."""
     car = manifest.get("car")
     return drives_layout(car_from_toml(car) if isinstance(car, str) else None) if "drives" in manifest else DECAYS
+
+
+def doubts_of(verdict: Verdict) -> Row:
+    """Return the columns of doubts: the code of each, and the first sentence that is said with it."""
+    words: dict[str, str] = {}
+    for doubt in verdict.doubts:
+        words.setdefault(str(doubt.code), printable(str(doubt)))
+    return {"doubts": list(words), "doubts_in_words": list(words.values())}
 
 
 def _meaning(column: str) -> dict[str, str] | None:
