@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.results import Result
 from suspid.stamps import rate_and_gaps
 from suspid.text_tables import COLUMN_GAP, TERMINAL, named, sentence_table, text_table
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import listed, nearest_names
 from suspid.wording import Argument
-from suspid.words import Remark
+from suspid.words import Remark, count
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -116,8 +118,8 @@ class RawChannel:
         return int(np.sum(missing[1:] & ~missing[:-1])) + int(missing.size > 0 and missing[0])
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Recording:
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
+class Recording(Result):
     """The channels of a file.
 
     Parameters
@@ -213,6 +215,19 @@ class Recording:
             if channel.name == name:
                 return channel
         raise RecordError(f"there is no channel {name!r}.{nearest_names(name, self.names)}")
+
+    def _brief(self) -> str:
+        return f"{self.title!r}: {count(len(self.channels), 'channel')}: {listed(self.names)}"
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return {
+            "channel": self.names,
+            "unit": [channel.unit for channel in self.channels],
+            "rate_hz": [channel.mean_rate for channel in self.channels],
+            "samples": [channel.values.size for channel in self.channels],
+            "length_s": [channel.duration for channel in self.channels],
+            "gaps": [channel.gaps for channel in self.channels],
+        }
 
     def __str__(self) -> str:
         times = {id(channel.timepts): channel.timepts for channel in self.channels}

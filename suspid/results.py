@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 LONGEST_REPR = 300
 # Size of a picture in a notebook [inch], and its resolution [dots per inch].
 NOTEBOOK, NOTEBOOK_DOTS = (7.0, 3.2), 96
+# Notebooks give HTML their proportional font, and break words anywhere.
+CELL_STYLE = "white-space: pre; overflow-x: auto; word-break: normal; font-family: monospace"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -155,7 +157,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return the text and the main picture for a notebook; whatever a name holds stays text."""
-        text = f'<pre style="white-space: pre; overflow-x: auto">{_in_cell(str(self))}</pre>'
+        text = f'<pre style="{CELL_STYLE}">{_in_cell(str(self))}</pre>'
         drawing = drawing_of(self)
         if drawing is None:
             return text

@@ -64,6 +64,12 @@ def box(part: object, ax: Axes) -> BboxBase:
     return found
 
 
+def title_of(ax: Axes) -> Text:
+    """Return the title at the left."""
+    texts = (part for part in ax.get_children() if isinstance(part, Text) and not isinstance(part, Annotation))
+    return next(text for text in texts if text.get_text() == ax.get_title(loc="left"))
+
+
 class TestTitles:
     def test_a_long_one_stays_in_the_figure(self) -> None:
         ax = drawn(PHONE)
@@ -71,6 +77,18 @@ class TestTitles:
         ax.set_yticks([0.0], ["chassis.stiffness"])
         title = next(text for text in ax.findobj(lambda one: getattr(one, "get_text", str)().startswith("springs")))
         assert box(title, ax).x1 <= ax.figure.bbox.width
+
+    def test_a_long_one_stays_beside_that_of_the_next_axes(self) -> None:
+        figure = Figure(figsize=(10.0, 7.0), layout="constrained")
+        grid = figure.subplots(2, 2)
+        estimate(add_noise(RECORD, snr_db=30.0, rng=np.random.default_rng(1)), cars.PAPER).plot(ax=grid[1, 0])
+        grip(cars.HATCHBACK).plot(ax=grid[1, 1])
+        figure.draw_without_rendering()
+        left, right = (title_of(ax) for ax in grid[1])
+        assert not left.get_window_extent().overlaps(right.get_window_extent())
+        key = grid[1, 1].get_legend()
+        assert key is not None
+        assert not key.get_window_extent().overlaps(right.get_window_extent())
 
 
 class TestScalogram:

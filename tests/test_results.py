@@ -16,6 +16,7 @@ import suspid
 from suspid import (
     BodyMode,
     BodyModes,
+    Limit,
     ModalSet,
     RawChannel,
     Recording,
@@ -24,7 +25,9 @@ from suspid import (
     add_noise,
     analyse,
     analyse_drive,
+    as_record,
     best_bandwidth,
+    check_limits,
     classify_road,
     clean,
     compare,
@@ -35,6 +38,7 @@ from suspid import (
     estimate,
     find_decays,
     find_drives,
+    find_ridges,
     free_decay,
     grip,
     identify,
@@ -89,6 +93,12 @@ DRAWN = {
     "decays",
     "cleaned",
     "stretches",
+    "active",
+    "body",
+    "limits",
+    "raw",
+    "ridge",
+    "road",
 }
 
 
@@ -115,6 +125,17 @@ def results() -> dict[str, Any]:
         "repeats": identify_repeats([RECORD, RECORD]),
         "analysis": analyse(RECORD),
         "decays": find_decays(RECORD),
+        "decay": find_decays(RECORD)[0],
+        "raw": recording,
+        "ridge": find_ridges(RECORD)[0],
+        "limits": check_limits(
+            springs,
+            [
+                Limit(of=1, quantity="zeta", least=0.5, unit="%"),
+                Limit(of=2, quantity="wn", least=7.0 * 2 * np.pi, most=7.9 * 2 * np.pi, unit="Hz"),
+                Limit(of="tire", quantity="damping", least=100.0),
+            ],
+        ),
         "cleaned": clean(recording),
         "stretches": find_drives(recording),
         "body": BodyModes(
@@ -156,9 +177,8 @@ def test_all_results_are_tried(results: dict[str, Any]) -> None:
     public = {
         one for name in suspid.__all__ if isinstance(one := getattr(suspid, name), type) and issubclass(one, Result)
     }
-    # Limits and fleets have tests of their own.
+    # Fleets have tests of their own.
     assert {one.__name__ for one in public} - {type(one).__name__ for one in results.values()} <= {
-        "CheckedLimits",
         "FleetSummary",
     }
 
@@ -199,7 +219,7 @@ def test_plots_are_those_of_python_control(results: dict[str, Any]) -> None:
         assert alone.axes[0, 0] is ax
         assert alone.figure is ax.figure
     with pytest.raises(InputError, match="no picture"):
-        results["road"].plot()
+        results["decay"].plot()
 
 
 def test_text_fits_a_screen(results: dict[str, Any]) -> None:
@@ -242,8 +262,81 @@ def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
     assert (row["channel"], row["hertz"]) == ("seat", 1.2)
     assert row["low_hz"] == pytest.approx(1.15 - 1.959964 * 0.02)
     assert len(results["cleaned"].to_pandas()) == len(results["cleaned"].findings)
-    with pytest.raises(InputError, match="no table"):
-        results["scalogram"].to_pandas()
+
+
+def test_columns_name_their_units(results: dict[str, Any]) -> None:
+    """A number has its unit in the name of its column or in a column of units, unless it is a ratio or a count."""
+    units = re.compile(r"_(hz|s|db|n|nat|m3|rad|m_per_s|n_s_per_m|rad_per_s|std_rad_per_s|std_n|lower_rad|upper_rad)$")
+    pure = {
+        "zeta", "zeta_std", "rank", "cycles", "samples", "gaps", "order", "drives", "loss", "loss_lower", "loss_upper",
+        "scatter", "adhesion", "adhesion_lower", "adhesion_upper", "bandwidth",
+    }  # fmt: skip
+    of_channels = {"hertz", "seat modulus", "chassis modulus", "tire modulus"}
+    of_channels |= {f"{name} largest" for name in ("seat", "chassis", "tire")}
+    for name, found in results.items():
+        # Figures and parameters have the names under which they were asked for.
+        if name not in {"tuning", "damper"}:
+            table = found.to_pandas()
+            numbers = set(table.select_dtypes("number").columns) if len(table) else set()
+            bare = {one for one in numbers if not units.search(one)} - pure - of_channels
+            assert not bare or "unit" in table, (name, bare)
+
+
+def test_a_scalogram_is_the_table_of_its_rows(results: dict[str, Any]) -> None:
+    """A sine's modulus is largest at its frequency; each row lasts its number of samples times its step."""
+    t = np.arange(0, 20, 0.01)
+    table = cwt(np.cos(30 * t), fs=100.0, omega=[20.0, 30.0, 45.0], bandwidth=16.0).to_pandas()
+    assert table.iloc[:, -1].idxmax() == 1
+    np.testing.assert_allclose(table["omega_rad_per_s"] * table["scale_s"], 2 * np.pi)
+    found = results["scalogram"]
+    lengths = [row.shape[1] * step for row, step in zip(found.rows, found.to_pandas()["step_s"], strict=True)]
+    np.testing.assert_allclose(lengths, 5.0, atol=float(found.to_pandas()["step_s"].max()))
+
+
+def test_a_ridge_decays_as_its_mode_does() -> None:
+    """The logarithm of the modulus falls by ``zeta wn`` in a second."""
+    t = np.arange(0, 12, 0.01)
+    record = as_record(np.exp(-0.5 * t) * np.cos(30 * t), timepts=t, channels=["seat"])
+    table = find_ridges(record)[0].to_pandas()
+    inside = table[table["trusted"]]
+    slope = np.polyfit(inside["time_s"], np.log(inside["seat modulus"]), 1)[0]
+    assert slope == pytest.approx(-0.5, rel=1e-3)
+
+
+def test_limits_are_drawn_beside_what_was_found(results: dict[str, Any]) -> None:
+    """100 % is the nearer limit; of a mode of 7.98 Hz that may have 7 to 7.9 Hz, the interval lies above it."""
+    ((ax,),) = results["limits"].plot().axes
+    states = [text.get_text().rpartition(": ")[2] for text in ax.get_yticklabels()]
+    assert states == ["not met", "not met", "cannot tell"]
+    points = [line.get_xdata()[0] for line in ax.lines if line.get_marker() == "o"]
+    rows = results["limits"].rows
+    expected = [rows[0].value / 0.5, rows[1].value / (7.9 * 2 * np.pi), rows[2].value / 100.0]
+    np.testing.assert_allclose(points, 100 * np.array(expected))
+    pyplot.close(ax.figure)
+
+
+def test_a_road_is_drawn_among_its_classes(results: dict[str, Any]) -> None:
+    """At 0.1 cycle/m the fitted line has the roughness found, and that of each class is four times that before it."""
+    ((ax,),) = results["road"].plot().axes
+    at = [np.exp(np.interp(np.log(0.1), np.log(line.get_xdata()), np.log(line.get_ydata()))) for line in ax.lines]
+    np.testing.assert_allclose(at[-1], results["road"].roughness, rtol=1e-6)
+    np.testing.assert_allclose(np.array(at[1:-1]) / at[:-2], 4.0, rtol=1e-6)
+    pyplot.close(ax.figure)
+
+
+def test_feedback_is_drawn_over_no_feedback(results: dict[str, Any]) -> None:
+    found = results["active"]
+    ((ax,),) = found.plot().axes
+    expected = [100 * found.rms[name] / rms for name, rms in found.passive.items() if rms]
+    np.testing.assert_allclose([bar.get_width() for bar in ax.patches], expected)
+    pyplot.close(ax.figure)
+
+
+def test_columns_stand_below_each_other_in_a_notebook(results: dict[str, Any]) -> None:
+    """Notebooks give HTML a proportional font and break words anywhere, unless the cell says otherwise."""
+    style = re.match(r'<pre style="([^"]+)"', results["modes"]._repr_html_())
+    assert style is not None
+    assert {"font-family: monospace", "word-break: normal"} <= set(style[1].split("; "))
 
 
 def test_details_say_no_less(results: dict[str, Any]) -> None:

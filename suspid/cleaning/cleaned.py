@@ -71,8 +71,12 @@ class Cleaned(Result):
         return Verdict(headline, tuple(finding.check for finding in self.findings))
 
     def _table(self) -> Mapping[str, Sequence[object]]:
-        names = ["kind", "channel", "start", "stop", "samples", "repaired", "text"]
-        return {**columns_of(self.findings, names), "kind": [str(finding.kind) for finding in self.findings]}
+        return {
+            "kind": [str(finding.kind) for finding in self.findings],
+            "start_s": [finding.start for finding in self.findings],
+            "stop_s": [finding.stop for finding in self.findings],
+            **columns_of(self.findings, ["channel", "samples", "repaired", "text"]),
+        }
 
     def _brief(self) -> str:
         record = as_signal(held(self, "record"))

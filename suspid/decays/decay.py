@@ -30,8 +30,8 @@ GRAVE = frozenset(
 )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Decay:
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
+class Decay(Result):
     """A stretch of free decay.
 
     Parameters
@@ -74,6 +74,9 @@ class Decay:
     wn: RealArray
     zeta: RealArray
     doubts: tuple[Remark, ...]
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return _columns([self])
 
     def __str__(self) -> str:
         what = f"{self.cycles:.1f} cycles, {self.level:.0f} dB above the background"
@@ -136,7 +139,7 @@ class Decays(Sequence[Decay], Result):
         return Verdict(Remark(DecayRemark.FOUND, {"decays": len(self.decays)}), tuple(checks))
 
     def _table(self) -> Mapping[str, Sequence[object]]:
-        return columns_of(self, ["rank", "start", "stop", "cycles", "level", "strength", "kind", "doubts"])
+        return _columns(self)
 
     def _brief(self) -> str:
         more = [f"and {len(self) - MOST_NAMES} more"] if len(self) > MOST_NAMES else []
@@ -157,3 +160,17 @@ class Decays(Sequence[Decay], Result):
         parts = [text_table(columns, widest=TERMINAL)] if self else [str(Remark(DecayRemark.NONE))]
         doubts = [f"decay {decay.rank}: {'; '.join(map(str, decay.doubts))}" for decay in self if decay.doubts]
         return "\n".join([*parts, *doubts, *map(str, self.remarks)])
+
+
+def _columns(decays: Sequence[Decay]) -> dict[str, list[object]]:
+    """Return the numbers of decays by column."""
+    return {
+        **columns_of(decays, ["rank"]),
+        "start_s": [one.start for one in decays],
+        "stop_s": [one.stop for one in decays],
+        "cycles": [one.cycles for one in decays],
+        "level_db": [one.level for one in decays],
+        "strength_db": [one.strength for one in decays],
+        "kind": [one.kind for one in decays],
+        "doubts": ["; ".join(map(str, one.doubts)) for one in decays],
+    }

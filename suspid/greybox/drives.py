@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from suspid.greybox.drive_tables import nothing_usable, stretch_table, summary_table
-from suspid.results import Result, columns_of
+from suspid.results import Result
 from suspid.units import MetrePerSecond, RealArray, Second
 from suspid.words import Check, Remark, Verdict
 from suspid.words.drives import DriveRemark
@@ -221,7 +221,13 @@ class Drives(Sequence[Drive], Result):
         return Verdict(Remark(DriveRemark.FOUND, numbers), self.remarks)
 
     def _table(self) -> Mapping[str, Sequence[object]]:
-        return columns_of(self, ["start", "stop", "taken", "speed", "reasons"])
+        return {
+            "start_s": [one.start for one in self],
+            "stop_s": [one.stop for one in self],
+            "taken": [one.taken for one in self],
+            "speed_m_per_s": [one.speed for one in self],
+            "reasons": ["; ".join(map(str, one.reasons)) for one in self],
+        }
 
     def _brief(self) -> str:
         return str(self.verdict.headline)

@@ -65,7 +65,7 @@ class Stabilization(Result):
             for order, poles, wn, zeta in zip(self.orders, self.poles, self.stable_wn, self.stable_zeta, strict=True)
             for pole, in_wn, in_zeta in zip(poles.tolist(), wn, zeta, strict=True)
         ]
-        names = ("order", "f [Hz]", "wn [rad/s]", "zeta [1]", "stable in frequency", "stable in damping")
+        names = ("order", "f_hz", "wn_rad_per_s", "zeta", "stable_in_frequency", "stable_in_damping")
         return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 
     def __str__(self) -> str:

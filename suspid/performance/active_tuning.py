@@ -61,7 +61,12 @@ class ActiveTuning(Result):
     verdict: Verdict
 
     def _table(self) -> Mapping[str, Sequence[object]]:
-        return {"output": list(self.rms), "passive": list(self.passive.values()), "active": list(self.rms.values())}
+        return {
+            "output": list(self.rms),
+            "unit": [_unit_of(name) for name in self.rms],
+            "passive": [self.passive[name] for name in self.rms],
+            "active": list(self.rms.values()),
+        }
 
     def _brief(self) -> str:
         return f"rms {numbers_in_words(list(self.rms), self.rms.values())}"

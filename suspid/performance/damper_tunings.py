@@ -102,8 +102,8 @@ class DamperTuning(Result):
         columns: dict[str, Sequence[object]] = {
             "roughness_m3": [one.roughness for one in self.roads],
             "speed_m_per_s": [one.speed for one in self.roads],
-            "asked": self.asked.tolist(),
-            "damping": self.damping.tolist(),
+            "asked_n_s_per_m": self.asked.tolist(),
+            "damping_n_s_per_m": self.damping.tolist(),
             "velocity_m_per_s": self.velocity.tolist(),
         }
         return columns | dict(zip(self.figures, self.values.T.tolist(), strict=True))

@@ -138,7 +138,8 @@ class RoadClass(Result):
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()
         return {
-            "name": ["roughness_m3", "exponent"],
+            "name": ["roughness", "exponent"],
+            "unit": ["m3", "1"],
             "value": [self.roughness, self.exponent],
             "lower": [ends["roughness"][0], ends["exponent"][0]],
             "upper": [ends["roughness"][1], ends["exponent"][1]],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +33,8 @@ def keep_apart(figure: Figure) -> None:
         figure.set_layout_engine("constrained")
 
 
+# Width of Axes once their labels have room, over that before.
+LAID_OUT = 0.85
 # Height of a panel for each of its ticks [inch].
 TICK_ROOM = 0.4
 
@@ -40,8 +43,17 @@ IN_VIEW = 2.5
 
 
 def entitle(ax: Axes, title: str) -> None:
-    """Put a title above the left end of some Axes; one that would leave the figure is broken over lines."""
-    ax.set_title(title, loc="left", wrap=True)
+    """Put a title above the left end of some Axes; one that would leave the figure, or their cell, is broken."""
+    text = ax.set_title(title, loc="left", wrap=True)
+    spec = ax.get_subplotspec()
+    grid = None if spec is None else spec.get_gridspec()
+    if spec is None or grid is None or spec.colspan.stop == grid.ncols:
+        return
+    # Beside Axes to the right there is room up to these.
+    room = 0.9 * ax.figure.bbox.width * len(spec.colspan) / grid.ncols
+    width = text.get_window_extent().width
+    if width > room:
+        text.set_text("\n".join(wrap(title, max(1, int(len(title) * room / width)))))
 
 
 def pieces_across(ax: Axes) -> int:
@@ -212,7 +224,7 @@ def key_above(ax: Axes, *, abreast: int = 3) -> None:
     )
     said = ax.get_title(loc="left")
     title = next((part for part in ax.get_children() if said and getattr(part, "get_text", str)() == said), None)
-    if title is not None and title.get_window_extent().width + key.get_window_extent().width > width:
+    if title is not None and title.get_window_extent().width + key.get_window_extent().width > LAID_OUT * width:
         _key_inside(ax)
 
 

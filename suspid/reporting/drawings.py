@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis import Analysis, DriveAnalysis
+from suspid.analysis import Analysis, CheckedLimits, DriveAnalysis
 from suspid.cleaning import Cleaned
 from suspid.decays import Decays
 from suspid.fleet import DamperTrends, FleetSummary
-from suspid.greybox import DamperCurve, Drives, Estimate
+from suspid.greybox import BodyModes, DamperCurve, Drives, Estimate
 from suspid.identification import Identification, Repeats, Stabilization
 from suspid.model import Comparison, ModalSet
-from suspid.performance import DamperTuning, Grip, Ride, Sensitivities, Tuning, Wear
+from suspid.performance import ActiveTuning, DamperTuning, Grip, Ride, RoadClass, Sensitivities, Tuning, Wear
 from suspid.reconstruction import Reconstruction
+from suspid.recordings import Recording
 from suspid.reporting.colours import Colour
 from suspid.reporting.plot_comparison import draw_errors
 from suspid.reporting.plot_damper_curve import plot_damper_curve
@@ -25,16 +26,18 @@ from suspid.reporting.plot_estimate import draw_changes, plot_estimate
 from suspid.reporting.plot_fleet import draw_fleet, draw_losses, losses_of
 from suspid.reporting.plot_grip import draw_adhesion, plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
-from suspid.reporting.plot_recording import draw_cleaned, draw_decays, plot_recordings
+from suspid.reporting.plot_recording import draw_cleaned, draw_decays, draw_raw, plot_recordings
 from suspid.reporting.plot_ride import draw_spectrum, plot_ride, size_of_ride
+from suspid.reporting.plot_rows import draw_active, draw_body, draw_limits, draw_road
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_sensitivities import plot_sensitivities, size_of
 from suspid.reporting.plot_shapes import plot_shapes
+from suspid.reporting.plot_skeletons import plot_modulus, plot_skeletons
 from suspid.reporting.plot_stabilization import plot_stabilization, plot_stabilization_page
 from suspid.reporting.plot_tuning import draw_damper, draw_front, plot_tuning
 from suspid.results import Drawing
 from suspid.results import drawing_of as drawing_of
-from suspid.wavelets import BandwidthSearch, Scalogram
+from suspid.wavelets import BandwidthSearch, Ridge, Scalogram
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -159,6 +162,41 @@ def _(found: Sensitivities) -> Drawing:
         page=lambda figure: plot_sensitivities(found, figure.subplots()),
         size=size_of(found),
         cell=size_of(found),
+    )
+
+
+@drawing_of.register
+def _(found: CheckedLimits) -> Drawing:
+    return Drawing(alone=partial(draw_limits, found))
+
+
+@drawing_of.register
+def _(found: BodyModes) -> Drawing | None:
+    return Drawing(alone=partial(draw_body, found)) if any(mode.models for mode in found) else None
+
+
+@drawing_of.register
+def _(found: ActiveTuning) -> Drawing:
+    return Drawing(alone=partial(draw_active, found))
+
+
+@drawing_of.register
+def _(found: RoadClass) -> Drawing:
+    return Drawing(alone=partial(draw_road, found))
+
+
+@drawing_of.register
+def _(found: Recording) -> Drawing | None:
+    drawn = [channel for channel in found.channels if channel.duration > 0]
+    return Drawing(alone=partial(draw_raw, drawn[0])) if drawn else None
+
+
+@drawing_of.register
+def _(found: Ridge) -> Drawing:
+    return Drawing(
+        alone=partial(plot_modulus, found),
+        page=lambda figure: plot_skeletons([found], axes=figure.subplots(2, 1, squeeze=False, sharex=True)),
+        size=(7.0, 5.5),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.cleaning import Cleaned
 from suspid.decays import Decays
+from suspid.recordings import RawChannel
 from suspid.reporting.axes import entitle, position, shown, thinned, unit_ticks
 from suspid.reporting.colours import Colour
 from suspid.samples import held
@@ -71,6 +72,16 @@ def plot_recording(
     entitle(ax, shown(channel))
     unit_ticks(ax, shown(unit, most=8) or "unit")
     return ax
+
+
+def draw_raw(channel: RawChannel, ax: Axes) -> None:
+    """Draw a channel as a file holds it, in the order of its stamps; missing samples are gaps."""
+    order = np.argsort(channel.timepts, kind="stable")
+    ax.plot(*thinned(ax, channel.timepts[order], channel.values[order]), color=Colour.BLUE, linewidth=0.8)
+    ax.set_xlabel("time [s]")
+    ax.margins(x=0)
+    entitle(ax, shown(channel.name))
+    unit_ticks(ax, shown(channel.unit, most=8) or "unit")
 
 
 def draw_cleaned(found: Cleaned, ax: Axes, channel: int = 0) -> None:

@@ -175,7 +175,7 @@ def _mark_modes(ax: Axes, modes: ModalSet) -> None:
     for k, place in zip(numbers, _places(heights), strict=True):
         ax.annotate(
             f"{k + 1}", (end, hertz[k]), xytext=(-8 - 16 * place, 0), textcoords="offset points", ha="right",
-            va="center", fontsize="small",
+            va="center", fontsize="small", color=Colour.BLACK,
             bbox={"facecolor": Colour.WHITE, "edgecolor": Colour.GREEN, "linewidth": 0.6, "pad": 1.5},
         )  # fmt: skip
 

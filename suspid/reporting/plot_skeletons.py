@@ -56,7 +56,7 @@ def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | 
         fit = fit_skeleton(ridge)
         for ax in grid[:, i]:
             ax.axvspan(ridge.window.start, ridge.window.stop, color=Colour.SHADE, linewidth=0.0)
-        _plot_modulus(ridge, fit, grid[0, i])
+        _draw_modulus(ridge, fit, grid[0, i])
         _plot_phase(ridge, fit, grid[1, i])
         grid[0, i].set_title(f"ridge at {ridge.omega / (2 * np.pi):.4g} Hz", loc="left")
         if i == 0:
@@ -65,7 +65,16 @@ def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | 
             grid[0, i].legend(fontsize="x-small", ncols=2 if len(ridge.channels) > 3 else 1)
 
 
-def _plot_modulus(ridge: Ridge, fit: SkeletonFit, ax: Axes) -> None:
+def plot_modulus(ridge: Ridge, ax: Axes) -> None:
+    """Draw the modulus along one ridge with the fitted line, the window of the fit shaded."""
+    ax.axvspan(ridge.window.start, ridge.window.stop, color=Colour.SHADE, linewidth=0.0)
+    _draw_modulus(ridge, fit_skeleton(ridge), ax)
+    ax.set(xlabel="time [s]", ylabel="modulus\n[√s × unit]")
+    ax.set_title(f"ridge at {ridge.omega / (2 * np.pi):.4g} Hz", loc="left")
+    ax.legend(fontsize="x-small", ncols=2 if len(ridge.channels) > 3 else 1)
+
+
+def _draw_modulus(ridge: Ridge, fit: SkeletonFit, ax: Axes) -> None:
     modulus = np.abs(ridge.skeleton)
     lowest = np.inf
     for i, name in enumerate(ridge.channels):

@@ -49,7 +49,7 @@ class BandwidthSearch(Result):
     entropy: RealArray
 
     def _table(self) -> Mapping[str, Sequence[object]]:
-        return {"bandwidth": self.candidates.tolist(), "entropy": self.entropy.tolist()}
+        return {"bandwidth": self.candidates.tolist(), "entropy_nat": self.entropy.tolist()}
 
     @property
     def best(self) -> float:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.results import Result
 from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
 from suspid.wavelets.morlet import Morlet
 
@@ -75,8 +77,8 @@ class Window:
         return "noise floor" if self.noise_floor < self.record_end else "record end"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Ridge:
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
+class Ridge(Result):
     """Ridge of a scalogram: a scale of most energy, the skeleton along it and its trusted window.
 
     Parameters
@@ -168,6 +170,17 @@ class Ridge:
         6.283185
         """
         return self.wavelet.center / self.omega
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return {
+            "time_s": self.timepts.tolist(),
+            "f_hz": (self.trace / (2 * np.pi)).tolist(),
+            "trusted": self.trusted.tolist(),
+            **{f"{name} modulus": row.tolist() for name, row in zip(self.channels, np.abs(self.skeleton), strict=True)},
+        }
+
+    def _brief(self) -> str:
+        return str(self).removeprefix("ridge ")
 
     def __str__(self) -> str:
         return (

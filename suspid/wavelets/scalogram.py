@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -204,6 +205,17 @@ class Scalogram(Result):
             for j, samples in enumerate(np.abs(row)):
                 out[j, i] = np.interp(time, self.timepts(i), samples)
         return out
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        moduli = np.array([np.max(np.abs(row), axis=1) for row in self.rows])
+        return {
+            "f_hz": (self.omega / (2 * np.pi)).tolist(),
+            "omega_rad_per_s": self.omega.tolist(),
+            "scale_s": self.scale.tolist(),
+            "cone_s": self.cone.tolist(),
+            "step_s": [self.signal.step * stride for stride in self.strides],
+            **{f"{name} largest": column for name, column in zip(self.channels, moduli.T.tolist(), strict=True)},
+        }
 
     def __str__(self) -> str:
         low, high = (float(end) / (2 * np.pi) for end in (np.min(self.omega), np.max(self.omega)))
