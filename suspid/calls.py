@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import PurePath
 
 from suspid.values import nearest_names
 
@@ -63,4 +64,7 @@ def misfit(
         way = f"pass the rest by name, such as {by_name[0]}=…" if by_name else way
         if len(positional) == 1 and all(hasattr(one, "__len__") and not isinstance(one, str) for one in args[:2]):
             way = f"pass time and samples as one pair, {verb.__name__}((t, y)), or {way}"
+        if verb.__annotations__.get("return") == "str" and isinstance(args[-1], str | PurePath):
+            file = f"Path({str(args[-1])!r:.60})"
+            way = f'it returns text: {file}.write_text({verb.__name__}(…), encoding="utf-8") writes it to the file'
     return TypeError(f"{error}; {way}")

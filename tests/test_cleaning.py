@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import Suspension, add_noise, free_decay, identify
+from suspid import Suspension, add_noise, find_decays, free_decay, identify
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.gaps import fill
@@ -117,6 +117,28 @@ class TestImpossibleSamples:
         assert kinds(cleaned) == ["spikes", "missing"]
         assert [finding.samples for finding in cleaned.findings] == [len(wraps)] * 2
         np.testing.assert_allclose(cleaned.record.y[0], true, atol=1e-3 * np.max(np.abs(true)))
+
+    @pytest.mark.parametrize("length", [1, 2, 3])
+    @pytest.mark.parametrize("first", [100, 900])
+    def test_a_fault_of_some_samples_does_not_begin_a_decay(self, first: int, length: int) -> None:
+        """Motion that goes on as before was not caused by it; the release stays where it was."""
+        times = np.arange(0, 12, 0.005)
+        since = np.maximum(times - 3.0, 0.0)
+        values = np.exp(-0.8 * since) * np.sin(3 * np.pi * since)
+        values += 2e-3 * np.random.default_rng(1).standard_normal(times.size)
+        true = values.copy()
+        values[first : first + length] = 25.0
+        cleaned = clean(recording(times, values))
+        assert kinds(cleaned) == ["sentinel", "missing"]
+        np.testing.assert_allclose(cleaned.record.y[0], true, atol=0.02)
+        assert [round(one.start, 1) for one in find_decays(cleaned.record)] == [3.0]
+
+    def test_a_blow_beyond_the_range_is_no_fault(self) -> None:
+        """Two samples at the rail, and then what it excited."""
+        values = 1e-3 * np.random.default_rng(1).standard_normal(T.size)
+        values[900:] += np.exp(-2 * (T[900:] - T[900])) * np.sin(20 * (T[900:] - T[900]))
+        values[900:902] = 25.0
+        assert Defect.SENTINEL not in {finding.kind for finding in inspect("body", T, values).findings}
 
     def test_a_blow_that_rings_is_no_spike(self) -> None:
         values = 1e-3 * np.random.default_rng(1).standard_normal(T.size)

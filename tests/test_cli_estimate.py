@@ -317,6 +317,21 @@ def test_limits_are_judged_and_stand_on_the_page(files: Path) -> None:
     assert "1 of 2 limits met, 1 not met" in page.read_text(encoding="utf-8")
 
 
+def test_a_report_of_two_cars_does_not_call_their_decays_driven(files: Path) -> None:
+    """A third of the damping is lost between two tests: no car has both, and no motion of a wheel caused them."""
+    names = []
+    for name, share in (("before", 1.0), ("after", 2 / 3)):
+        car = CAR.with_parameters(damping={"chassis": 900.0 * share})
+        record = free_decay(car, np.arange(0, 4, 0.005), initial_state={"v_chassis": 0.6, "v_tire": -1.0})
+        noisy = add_noise(record, snr_db=40, rng=np.random.default_rng(len(name)))
+        write_record(noisy, files / f"{name}.csv")
+        names.append(files / f"{name}.csv")
+    result = run("report", *names, "--car", files / "car.toml", "-o", files / "p.html")
+    assert result.exit_code == 0, result.output
+    assert "taken as the cause" not in result.stderr
+    assert "something changed between them" in (files / "p.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.slow
 def test_a_report_of_a_drive_that_comes_to_a_halt_leads_with_springs_and_dampers(files: Path) -> None:
     """A drive that dies down may be a decay; its bursts are poor ones, and the measured cause explains it all."""

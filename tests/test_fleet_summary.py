@@ -27,7 +27,7 @@ from suspid.fleet.identify_many import identify_many
 from suspid.fleet.manifest import FLEET_FORMAT, environment
 from suspid.fleet.parts import as_part, read_table, write_part
 from suspid.fleet.summary import FleetSummary
-from suspid.fleet.summary_text import distribution_table
+from suspid.fleet.summary_text import distribution_table, with_examples
 from suspid.fleet.tables import TABLE_COLUMNS, Rows
 from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
@@ -206,6 +206,12 @@ class TestCounts:
         assert summary.doubts == {"b": 2, "a": 1}
         assert summary.said == {"a": "A; or not.", "b": "B of 0."}
         assert "B of 0." in str(summary)
+
+    def test_tables_with_sentences_fit_a_terminal(self) -> None:
+        """The longest step and reason there are leave the sentence what is left of a line."""
+        names = [f"{max(map(str, Step), key=len)}: {max(map(str, Failure), key=len)}", "read: memory"]
+        text = with_examples({"failed at": names, "records": ["12000", "1"]}, ["a/long/name.csv: " + "word " * 50, ""])
+        assert max(map(len, text.split("\n"))) <= 80
 
 
 class TestTrends:

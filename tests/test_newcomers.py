@@ -344,11 +344,23 @@ def test_a_file_given_where_a_result_is_needed(name: str) -> None:
         (lambda: suspid.identify(DECAY, fs=100, order=4), "Did you mean 'modes'"),  # type: ignore[call-arg]
         (lambda: suspid.cwt(DECAY, fs=100, freqs=[1.0]), "Did you mean 'omega'"),  # type: ignore[call-arg]
         (lambda: suspid.quarter_car(400, 40), "by name, such as seat_mass="),  # type: ignore[call-arg]
+        (lambda: suspid.report(suspid.identify(DECAY, fs=100), "r.html"), r"Path\('r.html'\).write_text\(report\(…"),  # type: ignore[call-arg]
     ],
 )
 def test_a_call_that_does_not_fit_the_signature_names_the_way(call: Callable[[], object], way: str) -> None:
     with pytest.raises(TypeError, match=way):
         call()
+
+
+@pytest.mark.parametrize("given", ["C", ["C"] * 400, object()])
+def test_a_class_of_a_road_is_no_heights(given: object) -> None:
+    with pytest.raises(SuspidError, match=r"input 'road' is .*: give a number for each time .*road_profile\("):
+        suspid.simulate(QUARTER, np.arange(400) / 100, {"road": given})  # type: ignore[dict-item]
+
+
+def test_springs_follow_from_modes() -> None:
+    with pytest.raises(SuspidError, match="there is no mode"):
+        suspid.reconstruct(suspid.ModalSet(poles=[]), QUARTER)
 
 
 def test_a_mapping_and_a_name_of_a_mode() -> None:

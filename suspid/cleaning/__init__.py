@@ -17,7 +17,6 @@ from suspid.cleaning.data_forms import RecordLike, is_pair
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs
-from suspid.cleaning.inspection import without_sentinels
 from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
 from suspid.cleaning.quantities import (
@@ -28,6 +27,7 @@ from suspid.cleaning.quantities import (
     named_quantity,
 )
 from suspid.cleaning.read_record import read_record
+from suspid.cleaning.sentinels import without_sentinels
 from suspid.cleaning.vertical import vertical
 from suspid.cleaning.verticals import Vertical
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from suspid.cleaning.findings import Finding, found
-from suspid.cleaning.inspection import possible
+from suspid.cleaning.sentinels import possible
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import RealArray

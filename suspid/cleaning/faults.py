@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from suspid.cleaning.clipping import BESIDE, CLIPPED
 from suspid.cleaning.gaps import runs
-from suspid.cleaning.inspection import possible, without_sentinels
+from suspid.cleaning.sentinels import possible, without_sentinels
 from suspid.levels import UNLIKELY
 from suspid.recordings import RawChannel
 from suspid.units import Flags, RealArray, Second

@@ -8,17 +8,12 @@ import numpy as np
 
 from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
+from suspid.cleaning.sentinels import known, possible, without_sentinels
 from suspid.levels import UNLIKELY
 from suspid.units import RealArray
 from suspid.values import LARGEST_SIZE, frozen_real
 from suspid.words import Defect, Number
 
-# Values that loggers write for a missing sample.
-MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
-# Ends of the ranges of converters of 16, 24 and 32 bits, of which a mark may be one.
-FULL_SCALE = tuple(
-    float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
-)
 # Share of the steps that are the commonest one, and of those up to ten times as large that are multiples of it, from
 # which on it is the step of the converter. Of steps of any size a tenth are multiples by chance.
 COMMONEST, MULTIPLES = 0.1, 0.75
@@ -80,67 +75,12 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     repaired, spikes = _without_spikes(name, times, repaired)
     findings += spikes
     if np.sum(~np.isnan(repaired)) >= 8:
-        findings += clipping(name, *_known(times, repaired))
+        findings += clipping(name, *known(times, repaired))
         repaired, dropouts = _without_dropouts(name, times, repaired)
         findings += dropouts
-        findings += _level(name, *_known(times, repaired))
+        findings += _level(name, *known(times, repaired))
     kept = repaired is values and not values.flags.writeable
     return Inspected(values=values if kept else frozen_real(repaired), findings=tuple(findings))
-
-
-def possible(values: RealArray) -> RealArray:
-    """Return the samples with NaN for infinities and impossibly large numbers."""
-    # The largest of samples with a NaN is NaN, so that these take the second way.
-    if values.size and np.min(values) > -LARGEST_SIZE and np.max(values) < LARGEST_SIZE:
-        return values
-    return np.where(np.abs(values) < LARGEST_SIZE, values, np.nan)
-
-
-def _known(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
-    """Return stamps and samples without those that are missing."""
-    missing = np.isnan(values)
-    return (times[~missing], values[~missing]) if np.any(missing) else (times, values)
-
-
-def without_sentinels(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
-    """Return the samples with NaN for values far from all others, and a finding for each such value."""
-    findings: list[Finding] = []
-    for _ in range(6):
-        some = _known(times, values)[1]
-        if some.size < 8:
-            break
-        limit = _sentinel(some)
-        if limit is None:
-            break
-        at = np.flatnonzero(values == limit)
-        others = some[some != limit]
-        numbers: dict[str, Number] = {"value": limit, "low": float(np.min(others)), "high": float(np.max(others))}
-        findings.append(found(Defect.SENTINEL, times[at], at.size, numbers, channel=name))
-        values = np.where(values == limit, np.nan, values)
-    return values, findings
-
-
-def _sentinel(some: RealArray) -> float | None:
-    """Return the extreme value that cannot be motion, or None."""
-    for limit in (float(np.max(some)), float(np.min(some))):
-        others = some[some != limit]
-        count = some.size - others.size
-        low, high = (float(np.min(others)), float(np.max(others))) if others.size else (limit, limit)
-        beyond = min(abs(limit - low), abs(limit - high))
-        spread = high - low
-        marked = limit in MARKS or limit in FULL_SCALE
-        # Distance beyond the range of all other samples, as a share of that range, from which a value cannot be motion:
-        # for any value, and for a mark. Smaller values strike out the first sample of a blow.
-        if others.size < 8 or spread == 0 or beyond <= (0.25 if marked else 3.0) * spread:
-            continue
-        at = np.flatnonzero(some == limit)
-        inside = at[(at > 0) & (at < some.size - 1)]
-        # The first sample of a blow, and those before one, are far from what follows, but are motion.
-        alone = inside.size > 0 and bool(np.all(np.diff(at) > 1) or limit == 0)
-        # A channel of two levels is a switch or a counter: a far value is one of its states.
-        if (marked or alone) and count < 0.5 * some.size and _levels(others) >= 3:
-            return limit
-    return None
 
 
 def _without_spikes(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
@@ -175,10 +115,6 @@ def _keeps_within(values: RealArray) -> bool:
     middle = float(np.nanmedian(some)) if np.any(np.isfinite(some)) else 0.0
     within = float(np.nanquantile(np.abs(some - middle), WITHIN)) if np.any(np.isfinite(some)) else 0.0
     return max(float(np.nanmax(values)) - middle, middle - float(np.nanmin(values))) < 0.5 * SPIKE_OVER * within
-
-
-def _levels(samples: RealArray) -> int:
-    return int(np.unique(samples[:4096]).size)
 
 
 def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from suspid.cleaning.clocks import read_clock
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.gaps import MOST_FILLED, Filled, fill, runs
-from suspid.cleaning.inspection import inspect, possible
+from suspid.cleaning.inspection import inspect
 from suspid.cleaning.placing import Placed, place, resample
+from suspid.cleaning.sentinels import possible
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import Hertz, RealArray

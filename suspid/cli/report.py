@@ -126,8 +126,8 @@ def _found(
 ) -> Analysis | Estimate:
     """Return the estimate of a car whose cause was named, or was measured and explains; else the modes of decays.
 
-    Where decays leave springs and dampers in doubt, those under a measured cause that explains the whole record come
-    first; where there is no mode at all, even those under one that does not.
+    Where the modes of decays are in doubt, springs and dampers under a measured cause that explains the whole record
+    come first; where there is no mode at all, even those under one that does not.
     """
     if suspension is None:
         return _analysed(files, settings, None, step)
@@ -146,8 +146,8 @@ def _found(
         said += [*heard, *moved]
         return driven
     analysis = _analysed(files, settings, suspension, step)
-    springs = analysis.estimate or analysis.reconstruction
-    if not measured or (springs and springs.explains and analysis.verdict.level > Level.DOUBTFUL):
+    # Sound modes that no car explains are those of decays of another car, or of several cars.
+    if not measured or analysis.verdict.level > Level.DOUBTFUL:
         return analysis
     if first != measured:
         driven, moved = _driven(tests, suspension, measured)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, Distribution, known_columns
 from suspid.fleet.trends import Trend
-from suspid.text_tables import TERMINAL, figures_of, sentence_table, text_table
+from suspid.text_tables import COLUMN_GAP, TERMINAL, figures_of, sentence_table, text_table
 from suspid.words import (
     DamperState,
     count,
@@ -21,8 +21,8 @@ from suspid.words import (
 MOST_SHOWN = 20
 # Significant digits of values: damping of a fleet is known to a few tenths of a per cent.
 VALUE_DIGITS = 5
-# Letters of a line of a sentence beside a doubt and its number, within a terminal.
-SENTENCE = 60
+# Fewest letters of a line of a sentence beside other columns.
+SENTENCE = 24
 
 
 def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int], said: Mapping[str, str]) -> str:
@@ -40,7 +40,8 @@ def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int], said: 
 
 def with_examples(columns: Mapping[str, Sequence[str]], examples: Sequence[str]) -> str:
     """Return a table with a sentence beside each row, on lines of its own within a terminal."""
-    return sentence_table(columns, "such as", [[one] for one in examples], SENTENCE)
+    taken = sum(max(len(name) + COLUMN_GAP, *map(len, cells)) + COLUMN_GAP for name, cells in columns.items())
+    return sentence_table(columns, "such as", [[one] for one in examples], max(SENTENCE, TERMINAL - taken))
 
 
 def wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:

@@ -101,6 +101,8 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Rem
         )
     moving = modes.poles != 0
     poles = modes.poles[moving]
+    if not len(modes):
+        raise InputError("there is no mode, and springs and dampers follow from modes")
     if not len(poles):
         raise InputError(
             f"all {len(modes)} modes have a pole at zero, which does not depend on k and c; give others too"

@@ -59,7 +59,8 @@ def report(
     Returns
     -------
     str
-        The page. A long record is drawn by the extremes of its samples and stays below 2 MB.
+        The page; ``Path("report.html").write_text(report(found), encoding="utf-8")`` writes it. A long record is drawn
+        by the extremes of its samples and stays below 2 MB.
 
     Examples
     --------

@@ -165,7 +165,7 @@ def _samples(inputs: Mapping[str, ArrayLike], labels: Sequence[str], count: int)
     for name, given in inputs.items():
         if name not in labels:
             raise InputError(f"there is no input {name!r}.{nearest_names(name, labels)}")
-        row = np.asarray(given, float)
+        row = _numbers(name, given)
         if row.shape != (count,):
             raise InputError(f"input {name!r} has shape {row.shape}; there are {count} times")
         if not np.all(np.isfinite(row)):
@@ -175,6 +175,17 @@ def _samples(inputs: Mapping[str, ArrayLike], labels: Sequence[str], count: int)
             raise InputError(f"input {name!r} needs {road!r}: give the road, and its rate is computed")
         rows.append(row)
     return np.array(rows).reshape(len(rows), count)
+
+
+def _numbers(name: str, given: ArrayLike) -> RealArray:
+    """Return the samples of an input, or refuse what is none, such as the class of a road, with the line to write."""
+    try:
+        return np.asarray(given, float)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"input {name!r} is {given!r:.40}: give a number for each time [m or N]; heights of a road of class C are "
+            f"road_profile(speed * timepts, roughness='C', rng=np.random.default_rng(1))"
+        ) from None
 
 
 def _by_derivative(matrix: RealArray, labels: Sequence[str], names: Sequence[str]) -> RealArray:
