@@ -149,7 +149,7 @@ class Result:
 
             figure = pyplot.figure(figsize=drawing.size, layout="constrained")
             _draw(drawing, figure, whole=True)
-            axes = np.array(figure.axes, dtype=object)
+            axes = np.array([figure.axes], dtype=object)
         lines = np.empty(axes.shape, dtype=object)
         for index, one in np.ndenumerate(axes):
             lines[index] = list(one.lines)

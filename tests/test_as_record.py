@@ -221,6 +221,9 @@ def test_columns_are_turned_where_that_is_clear() -> None:
     assert np.array_equal(as_record(three.T, timepts=TIME).y, three)
     with pytest.raises(RecordError, match="rows are channels"):
         as_record(three.T, fs=FS)
+    # However near to a square they are.
+    with pytest.raises(RecordError, match="rows are channels"):
+        as_record(three[:, :2], fs=FS)
 
 
 def test_plain_vectors_are_taken_with_their_rate() -> None:

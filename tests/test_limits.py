@@ -24,6 +24,7 @@ from suspid import (
 )
 from suspid.analysis.limits import limits_from_toml
 from suspid.cli import main
+from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.limits import LimitReason
 
 CAR = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500)
@@ -51,6 +52,8 @@ class TestIntervals:
         assert state(found, least=high + step) == "not met"
         assert state(found, most=high + step) == "met"
         assert state(found, most=low - step) == "not met"
+        assert state(found, most=low + step) == "cannot tell"
+        assert state(found, most=high - step) == "cannot tell"
         assert state(found, least=low - step, most=high + step) == "met"
         assert state(found, least=low + step, most=high + step) == "cannot tell"
 
@@ -70,6 +73,16 @@ class TestIntervals:
         (bad,) = check_limits(replace(found, explains=False), [Limit(of="chassis", quantity="damping", least=1.0)]).rows
         assert bad.why is not None
         assert bad.why.code is LimitReason.UNEXPLAINED
+
+    @pytest.mark.parametrize("level", [Level.NONE, Level.DOUBTFUL, Level.CARE])
+    def test_a_result_that_is_not_to_be_used_meets_no_limit(
+        self, found: Reconstruction, level: Level, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        said = Remark(LimitReason.DOUBTFUL)
+        monkeypatch.setattr(Reconstruction, "verdict", Verdict(said, (Check(said, level),)))
+        usable = level > Level.DOUBTFUL
+        assert state(found, least=1.0) == ("met" if usable else "cannot tell")
+        assert state(found, most=1.0) == ("not met" if usable else "cannot tell")
 
     def test_another_car_with_the_same_modes_must_meet_it_too(self, found: Reconstruction) -> None:
         other = CAR.with_parameters(damping={"chassis": 900.0})

@@ -213,6 +213,9 @@ def test_plots_are_those_of_python_control(results: dict[str, Any]) -> None:
         assert isinstance(plot, control.ControlPlot)
         assert plot.figure.axes
         assert any(ax.get_xlabel() for ax in plot.figure.axes)
+        for index, one in np.ndenumerate(plot.axes):
+            assert list(plot.lines[index]) == list(one.lines), name
+        assert {id(one) for one in plot.axes.flat} == {id(one) for one in plot.figure.axes}, name
         pyplot.close(plot.figure)
         ax = Figure().subplots()
         alone = results[name].plot(ax=ax)
@@ -240,6 +243,8 @@ def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
     np.testing.assert_allclose(table["f_hz"], found.modes.wn / (2 * np.pi), rtol=1e-15)
     reach = found.modes.interval(0.95).wn[:, 1] - found.modes.wn
     np.testing.assert_allclose(1.959964 * table["wn_std_rad_per_s"], reach, rtol=1e-3)
+    reach = found.modes.interval(0.95).zeta[:, 1] - found.modes.zeta
+    np.testing.assert_allclose(1.959964 * table["zeta_std"], reach, rtol=1e-3)
     springs = results["estimate"].to_pandas().set_index("parameter")
     assert springs["value"].to_dict() == dict(
         zip(results["estimate"].parameters, results["estimate"].values, strict=True)
