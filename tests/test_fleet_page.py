@@ -115,6 +115,19 @@ class TestHistogram:
 
 
 class TestCsv:
+    def test_csv_has_the_rows_of_all_parts(self, tmp_path: Path) -> None:
+        """Records come in chunks, each with a part of its own."""
+        for table in TABLE_COLUMNS:
+            (tmp_path / table).mkdir()
+        manifest = {"format": FLEET_FORMAT, "environment": environment(), "complete": {"parts": 2}}
+        (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+        for number in range(2):
+            row = dict.fromkeys(TABLE_COLUMNS["modes"]) | {"record": f"r{number}", "mode": 1, "zeta": 0.1 + number}
+            write_part(tmp_path, number, as_part(Rows(modes=(row,))))
+        with write_csv(tmp_path)[-1].open(encoding="utf-8") as stream:
+            found = [(row["record"], float(row["zeta"])) for row in csv.DictReader(stream)]
+        assert found == [("r0", 0.1), ("r1", 1.1)]
+
     def test_it_holds_the_tables(self, results: Path) -> None:
         files = write_csv(results)
         assert [file.name for file in files] == ["failures.csv", "springs.csv", "modes.csv"]
