@@ -24,6 +24,7 @@ from suspid import (
 )
 from suspid.analysis.limits import limits_from_toml
 from suspid.cli import main
+from suspid.reporting.limit_rows import limit_rows
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.limits import LimitReason
 
@@ -65,6 +66,16 @@ class TestIntervals:
         assert row.why is not None
         assert row.why.numbers["tests"] == 5
         assert "about 5 such tests" in str(row.why)
+
+    def test_each_state_has_its_own_mark_on_the_page(self, found: Reconstruction) -> None:
+        low, high = found.interval(0.95)["chassis.damping"]
+        limits = [
+            Limit(of="chassis", quantity="damping", least=least) for least in (0.5 * low, 2 * high, (low + high) / 2)
+        ]
+        rows = limit_rows(check_limits(found, limits))
+        assert [(row.state, row.style) for row in rows] == [
+            ("met", "met"), ("not met", "missed"), ("cannot tell", "open"),
+        ]  # fmt: skip
 
     def test_what_was_held_or_does_not_explain_is_not_judged(self, found: Reconstruction) -> None:
         (held,) = check_limits(found, [Limit(of="tire", quantity="damping", least=-1.0)]).rows
