@@ -360,7 +360,7 @@ def test_a_class_of_a_road_is_no_heights(given: object) -> None:
 
 def test_springs_follow_from_modes() -> None:
     with pytest.raises(SuspidError, match="there is no mode"):
-        suspid.reconstruct(suspid.ModalSet(poles=[]), QUARTER)
+        suspid.reconstruct(suspid.ModalSet(poles=np.empty(0, complex)), QUARTER)
 
 
 def test_a_mapping_and_a_name_of_a_mode() -> None:
