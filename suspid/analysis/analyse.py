@@ -11,6 +11,7 @@ from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
 from suspid.analysis.fewer_channels import with_fewer_channels
+from suspid.analysis.means import with_means
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
@@ -114,7 +115,7 @@ def analyse(
         opened = _read(source, car, settings)
         begin(STEPS[1])
         record = held(opened.cleaned, "record")
-        stretch = stretch_of(record, settings)
+        stretch = with_means(record, stretch_of(record, settings), settings)
         if car is None:
             stretch = with_fewer_channels(record, stretch, settings, stretch_of)
         begin(STEPS[2])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.decays import DRIVEN, FEWEST_EARLY, GRAVE, TRIAL_PARTS, Decay, unexplained
+from suspid.decays import DRIVEN, FEWEST_EARLY, FIT, GRAVE, TRIAL_PARTS, Decay, unexplained
 from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
@@ -31,9 +32,8 @@ STRUCTURE = frozenset(
 )
 # Settings that `identify` takes.
 FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
-# Doubts of a quick fit to a decay, which the identification of the decay answers.
-FIT = frozenset({DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.HIGH_RESIDUAL})
-
+# Doubts of what is elsewhere in the record.
+OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
 
@@ -115,8 +115,10 @@ def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
     A quick fit takes means of several samples. That these are few says nothing of an identification, which takes all.
     What it leaves is explained where a fit with forces leaves hardly anything.
     """
-    refuted, answered = (FIT, ANSWERED) if settled(found) else (frozenset(), frozenset())
-    answered |= FIT if _explained_by_forces(found) else frozenset()
+    # A background that excites the mode bends a decay as forces do, and of many stretches some look so by chance.
+    bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
+    refuted, answered = (FIT, ANSWERED) if settled(found) and not bent else (frozenset(), frozenset())
+    answered |= FIT if not bent and explained_by_forces(found) else frozenset()
     return tuple(
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),
@@ -127,7 +129,15 @@ def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
     )
 
 
-def _explained_by_forces(found: Identification) -> bool:
+def level_of(found: Identification, used: Sequence[Decay]) -> Level:
+    """Return the level of the verdict on an identification and on the decay that it is of."""
+    if not len(found.modes):
+        return Level.NONE
+    doubts = doubts_of(used[0], found) if len(used) == 1 else ()
+    return min([found.verdict.level, *(doubt.level for doubt in doubts)])
+
+
+def explained_by_forces(found: Identification) -> bool:
     """Return whether a fit with forces that are not linear leaves too little, first and later, to be driven motion."""
     if not found.forces:
         return False

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import doubts_of, tried
+from suspid.analysis.choice import level_of, tried
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used
 from suspid.decays import DRIVEN
@@ -46,7 +46,7 @@ def with_fewer_channels(
         return used
     found = used.identification or tried(used.record, settings)
     used = replace(used, identification=found)
-    before = Level.NONE if found is None else _level(found, used)
+    before = Level.NONE if found is None else level_of(found, used.used)
     if found is None or before > Level.DOUBTFUL:
         return used
     tries = _fewer(names, found.explained) if len(found.modes) else _alone(names, _beside_peak(found))
@@ -56,20 +56,12 @@ def with_fewer_channels(
         except SuspidError:
             continue
         again = fewer.identification or tried(fewer.record, settings)
-        if again is not None and _level(again, fewer) > before:
+        if again is not None and level_of(again, fewer.used) > before:
             out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
             )
     return used
-
-
-def _level(found: Identification, used: Used) -> Level:
-    """Return the level of the verdict on an identification and on the decay that it is of."""
-    if not len(found.modes):
-        return Level.NONE
-    doubts = doubts_of(used.used[0], found) if len(used.used) == 1 else ()
-    return min([found.verdict.level, *(doubt.level for doubt in doubts)])
 
 
 def _beside_peak(found: Identification) -> RealArray:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import settled, tried
+from suspid.analysis.choice import explained_by_forces, settled, tried
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
@@ -127,12 +127,15 @@ def _goes_on(found: Identification | None, after: RealArray) -> bool:
 def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
 
-    It has all modes of the other unless that is doubtful, and more modes that are well known or as good a verdict.
+    Where the other is doubtful, forces may explain the longer one instead. It has all modes of the other unless that is
+    doubtful, and more modes that are well known or as good a verdict.
     """
-    if not settled(longer) or longer.verdict.level is Level.DOUBTFUL:
+    if longer.verdict.level is Level.DOUBTFUL:
         return False
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL:
-        return True
+        return settled(longer) or explained_by_forces(longer)
+    if not settled(longer):
+        return False
     modes = found.modes
     apart = np.min(np.abs(modes.poles[:, None] - longer.modes.poles), axis=1)
     unknown = np.zeros(len(modes)) if modes.wn_std is None else NORMAL_95 * modes.wn_std
@@ -154,7 +157,7 @@ def shared_modes(found: Sequence[Identification | None]) -> list[float]:
     poles = [np.zeros(0, complex) if one is None else one.modes.poles for one in found]
     shares = []
     for k, own in enumerate(poles):
-        others = np.concatenate([other for j, other in enumerate(poles) if j != k])
+        others = np.concatenate([np.zeros(0, complex), *(other for j, other in enumerate(poles) if j != k)])
         if not own.size or not others.size:
             shares.append(0.0)
             continue

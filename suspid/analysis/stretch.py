@@ -15,13 +15,13 @@ from suspid.analysis.held import without_held
 from suspid.analysis.longer import longer, shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
+from suspid.decays import BY_CHANCE, GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.records import cut, late_start
 from suspid.signals import as_signal
 from suspid.units import Second
-from suspid.words import DecayDoubt, Level, Note, Number, Remark
+from suspid.words import Level, Note, Number, Remark
 
 if TYPE_CHECKING:
     import control
@@ -33,8 +33,9 @@ MOST_NEXT = 4
 # The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
 # it, its decay would not be known.
 EARLY_PART = 0.25
-# Doubts that a stretch is long enough for its modes.
-LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
+# Of modes that are all damped by more than this the second half of the first cycle has less than a tenth of the size of
+# the first: any pulse looks like that, and where the decay is doubted anyway, that is no mode. Modes of cars have less.
+NO_CYCLE = 0.6
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
 
@@ -92,7 +93,7 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     if whole is not None and settled(whole) and (not late or _holds_later(whole, record, settings)):
         return Used(record=record, decays=(), used=(), notes=(), identification=whole)
     decays = find_decays(record)
-    clear = [decay for decay in decays if not _chance(decay)]
+    clear = [decay for decay in decays if not by_chance(decay)]
     if clear:
         best = used_of(record, decays, clear[0])
         if late and not clear[0].doubts:
@@ -100,9 +101,11 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         part = tried(best.record, settings)
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
-        if part is not None and (whole is None or not explains(whole, part)):
+        swings = part is None or not clear[0].doubts or _swings(part)
+        if part is not None and swings and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
-        again = None if whole is not None and len(whole.modes) else _again(record, decays, clear, settings)
+        sure = not swings or (whole is not None and len(whole.modes))
+        again = None if sure else _again(record, decays, clear, settings)
         if again is not None:
             return again
     whole = tried(record, settings) if late and not clear else whole
@@ -129,7 +132,8 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
     if not _doubtful(best.identification):
         return best
     tries = [best]
-    for decay in [decay for decay in decays if decay.start != best.used[0].start][:MOST_NEXT]:
+    others = [decay for decay in decays if decay.start != best.used[0].start and not by_chance(decay)]
+    for decay in others[:MOST_NEXT]:
         used = used_of(record, decays, decay)
         found = tried(used.record, settings)
         tries.append(replace(used, identification=found))
@@ -202,21 +206,20 @@ def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Dec
     Where most events are no decays, a mode that is found in one try of several is no finding.
     """
     best = clear[0]
-    if any(doubt.code is DecayDoubt.COMPANY for doubt in best.doubts):
+    if any(doubt.code in BY_CHANCE for doubt in best.doubts):
         return None
     later = [replace(best, start=best.start + share * (best.stop - best.start)) for share in LATER_SHARES]
     for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):
         used = used_of(record, decays, decay)
         found = tried(used.record, settings)
-        if found is not None and len(found.modes):
+        if found is not None and len(found.modes) and _swings(found):
             return replace(used, identification=found)
     return None
 
 
-def _chance(decay: Decay) -> bool:
-    """Return whether a stretch looks like a decay by chance: most events are none, and it says little of its modes."""
-    codes = {doubt.code for doubt in decay.doubts}
-    return DecayDoubt.COMPANY in codes and bool(codes & (GRAVE - {DecayDoubt.COMPANY} | LITTLE))
+def _swings(found: Identification) -> bool:
+    """Return whether a mode makes cycles that can be seen, or none was found."""
+    return not len(found.modes) or bool(np.min(found.modes.zeta) < NO_CYCLE)
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:

@@ -23,6 +23,7 @@ GRAVE = frozenset(
         DecayDoubt.NONLINEAR,
         DecayDoubt.GROWING,
         DecayDoubt.COMPANY,
+        DecayDoubt.SMALL_PART,
         DecayDoubt.NOT_IDENTIFIED,
         DecayDoubt.MODES_MISSING,
         DecayDoubt.HIGH_RESIDUAL,

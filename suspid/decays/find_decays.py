@@ -17,6 +17,7 @@ from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.decays.fading import decay_of_fading
 from suspid.decays.releases import releases
+from suspid.decays.shares import same_modes, shares_a_mode, with_doubt_of_share
 from suspid.decays.tails import free_end
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
@@ -28,9 +29,6 @@ from suspid.words import DecayDoubt, DecayRemark, Remark
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
 # search. Higher numbers find more of the weak decays of a long drive; each costs about a second.
 MOST_BURSTS, MOST_IN_VAIN = 16, 8
-# A body that is let go again and again shows the same mode, to within this share of its frequency: five standard
-# deviations after two cycles. In a wider band, modes of different stretches of a drive agree by chance.
-SAME_MODE = 0.1
 # With at most this many events, none of them a decay, the whole record may be one.
 FEW_BURSTS = 4
 
@@ -95,7 +93,7 @@ def find_decays(
     if coarse is not None:
         decays, said = _found(coarse)
         remarks = said if decays else remarks
-    return _ranked(decays, remarks)
+    return _ranked(with_doubt_of_share(signal, decays), remarks)
 
 
 def _recording(signal: Signal) -> Recording:
@@ -177,24 +175,21 @@ def _let_go(recording: Recording) -> list[Decay]:
         first, last = (signal.start + signal.step * place for place in (sample, after - 1))
         here, _ = examined(recording, _given(signal, recording.bands, first, last), moved=False, alone=True)
         decays += [decay for decay in here if not _gravely_doubted(decay)]
-    alike = len(decays) if len(decays) == 1 else sum(_shares_a_mode(decay, decays) for decay in decays)
+    alike = len(decays) if len(decays) == 1 else sum(shares_a_mode(decay, decays) for decay in decays)
     company = doubts_of_company(looked - alike, looked)
     return [replace(decay, doubts=(*decay.doubts, *company)) for decay in decays]
-
-
-def _shares_a_mode(decay: Decay, decays: Sequence[Decay]) -> bool:
-    others = np.concatenate([other.wn for other in decays if other is not decay])
-    return bool(np.any(np.abs(decay.wn[:, None] / others - 1) < SAME_MODE))
 
 
 def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Burst]) -> Decay:
     """Return a decay, doubted if most events that are not far weaker are no decays; those are no larger than clicks.
 
-    What rises within the decay, as where friction holds a mass and lets it go, is part of it.
+    If it is in doubt anyway, decays that have other modes count as none. What rises within the decay, as where friction
+    holds a mass and lets it go, is part of it.
     """
     others = sum(burst.level > decay.level - RISE and not decay.start < burst.onset < decay.stop for burst in refused)
-    beside = sum(other.level > decay.level - RISE for other in decays)
-    return replace(decay, doubts=(*decay.doubts, *doubts_of_company(others, others + beside)))
+    beside = [other for other in decays if other.level > decay.level - RISE]
+    unlike = sum(not same_modes(decay, other) for other in beside) if decay.doubts else 0
+    return replace(decay, doubts=(*decay.doubts, *doubts_of_company(others + unlike, others + len(beside))))
 
 
 def _left(decay: Decay) -> float:

@@ -107,6 +107,10 @@ class Note(Code):
             )
         ),
     )
+    MEANS = (
+        "means",
+        "means over {size} samples are used, {rate:.6g} Hz: with all samples there is no clear result",
+    )
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",

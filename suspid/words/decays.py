@@ -91,8 +91,17 @@ class DecayDoubt(Code):
     CUT_OFF = "cut off", "the next event begins before the decay has reached the background"
     COMPANY = (
         "company",
-        "{refused} of {examined} events are not free decays: the recording may be driven throughout, and this decay "
-        "may be a coincidence",
+        "{refused} of {examined} events are not free decays with its modes: the recording may be driven throughout, "
+        "and this decay may be a coincidence",
+    )
+    SMALL_PART = (
+        "small part",
+        sentence(
+            lambda n: (
+                f"{_percent(n['share'])} of the motion of the recording is in this decay, {_percent(n['together'])} in "
+                f"decays with its modes: the recording may be driven throughout"
+            )
+        ),
     )
     BACKGROUND = (
         "background",

@@ -1,0 +1,106 @@
+"""Means over several samples of a record, where it is sampled far faster than it moves and the result is doubtful."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.choice import level_of, tried
+from suspid.analysis.forced_start import SAME_POLE
+from suspid.analysis.settings import Settings
+from suspid.analysis.used import Used, used_of
+from suspid.decays import Decays, block_means, by_chance
+from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.records import like
+from suspid.signals import as_signal
+from suspid.units import RadianPerSecond
+from suspid.words import Level, Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Samples in each cycle of the fastest mode that are left. A motion that is not quite a decay leaves the same at each of
+# many samples, as if each told of one more mode; fewer lose the forces.
+LEFT_PER_CYCLE = (28.0, 20.0, 14.0)
+# Other decays that are tried where the one that is used does not agree with itself: each takes the time of three
+# identifications of few samples.
+OTHERS_IN_MEANS = 2
+
+
+def with_means(record: control.TimeResponseData, used: Used, settings: Settings) -> Used:
+    """Return the part of a record that is used of means over several samples, if that of all samples is doubtful.
+
+    In means over blocks of two lengths the same modes must be found, and neither be doubtful.
+    """
+    if settings.decay != "auto" or settings.method != "likelihood" or len(used.used) > 1:
+        return used
+    found = used.identification or tried(used.record, settings)
+    used = replace(used, identification=found)
+    if found is not None and len(found.modes) and level_of(found, used.used) > Level.DOUBTFUL:
+        return used
+    for part in _parts(record, used):
+        agreed = _agreed(part, settings)
+        if agreed is not None:
+            return agreed
+    return used
+
+
+def means_of(record: control.TimeResponseData, size: int) -> control.TimeResponseData:
+    """Return the means over blocks of samples of a record, at the middle of each.
+
+    Examples
+    --------
+    >>> from suspid.records import as_response
+    >>> means = means_of(as_response(np.arange(7.0), np.arange(7.0)[None] ** 2, ["seat"]), 3)
+    >>> means.time.tolist(), means.y.round(2).tolist()
+    ([1.0, 4.0], [[1.67, 16.67]])
+    """
+    signal = as_signal(record)
+    values = block_means(signal.values, size)
+    times = signal.start + signal.step * (0.5 * (size - 1) + size * np.arange(values.shape[1]))
+    title = str(getattr(record, "title", None) or "")
+    return like(record, np.asarray(times), values, signal.channels, title=title)
+
+
+def _parts(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
+    """Yield the part that is used, and other decays."""
+    yield used
+    if isinstance(used.decays, Decays):
+        others = [decay for decay in used.decays if decay not in used.used and not by_chance(decay)]
+        yield from (used_of(record, used.decays, decay) for decay in others[:OTHERS_IN_MEANS])
+
+
+def _agreed(part: Used, settings: Settings) -> Used | None:
+    """Return the part of the shortest of two blocks in whose means the same modes are found; None if there are none."""
+    signal, fastest = as_signal(part.record), _fastest(part)
+    before = list[tuple[Used, Identification]]()
+    for size in dict.fromkeys(int(2 * np.pi / (each * fastest * signal.step)) for each in LEFT_PER_CYCLE):
+        if size < 2 or signal.values.shape[1] < FEWEST_SAMPLES * size:
+            continue
+        means = means_of(part.record, size)
+        found = tried(means, settings)
+        if found is None or level_of(found, part.used) <= Level.DOUBTFUL:
+            continue
+        same = next((one for one, other in before if _same(other, found)), None)
+        if same is not None:
+            return same
+        note = Remark(Note.MEANS, {"size": size, "rate": 1 / (size * signal.step)})
+        before.append((replace(part, record=means, identification=found, notes=(note, *part.notes)), found))
+    return None
+
+
+def _fastest(part: Used) -> RadianPerSecond:
+    """Return the frequency of the fastest mode of a part, as the search for decays or an identification has it."""
+    if part.used:
+        return float(np.max(part.used[0].wn))
+    found = part.identification
+    return np.inf if found is None or not len(found.modes) else float(np.max(found.modes.wn))
+
+
+def _same(one: Identification, other: Identification) -> bool:
+    """Return whether two identifications have the same modes."""
+    ours, theirs = one.modes.poles, other.modes.poles
+    return len(ours) == len(theirs) and bool(np.all(np.abs(ours - theirs) < SAME_POLE * np.abs(ours)))
