@@ -58,6 +58,7 @@ def simulate(
     interpolation : {"linear", "cubic"}
         How inputs move between samples: straight as in python-control, or on a cubic spline, which is far nearer to a
         smooth motion (its error falls with the fourth power of the step instead of the second) but overshoots at steps.
+        Where straight lines meet, accelerations of wheels jump: records of them to identify need "cubic".
 
     Returns
     -------
