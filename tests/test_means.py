@@ -1,5 +1,6 @@
 """Records sampled far faster than they move, of rigs that are not linear: means over several samples tell the modes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from suspid import Settings, analyse, identify
 from suspid.analysis import means
 from suspid.analysis.used import Used
 from suspid.records import as_response
-from suspid.words import Level, Note
+from suspid.words import Level, Note, Remark
 
 RATE = 887.0
 
@@ -80,3 +81,14 @@ def test_means_over_two_lengths_must_agree(second: float, used: bool, monkeypatc
     best = Used(record=noise, decays=(), used=(), notes=(), identification=doubted)
     found = means.with_means(noise, best, Settings())
     assert [note.code for note in found.notes] == ([Note.MEANS] if used else [])
+
+
+def test_means_call_for_care() -> None:
+    time = np.arange(800) / 200
+    values = np.exp(-0.8 * time) * np.cos(31 * time) + 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = analyse(as_response(time, values[None], ["seat"]))
+    assert found.verdict.level is Level.SOUND
+    note = Remark(Note.MEANS, {"size": 4, "rate": 50.0})
+    cautious = replace(found, notes=(*found.notes, note)).verdict
+    assert cautious.level is Level.CARE
+    assert "Means over 4 samples are used" in "".join(str(check.remark) for check in cautious.checks)

@@ -35,6 +35,14 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
 
 
+# Notes on what was not used, which call for care with what was found.
+CALLS_FOR_CARE = {
+    Note.ONE_OF_TESTS: RecordCheck.ONE_OF_TESTS,
+    Note.FEWER_CHANNELS: RecordCheck.FEWER_CHANNELS,
+    Note.MEANS: RecordCheck.MEANS,
+}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Analysis(Result):
     """Result of `analyse`, step by step.
@@ -160,10 +168,11 @@ class Analysis(Result):
             found = self.identification.verdict
         else:
             found = verdict_of(self.identification, level)
-        several = [note for note in self.notes if note.code is Note.ONE_OF_TESTS]
-        failed = [Check(Remark(RecordCheck.ONE_OF_TESTS, note.numbers), Level.CARE) for note in several]
-        fewer = [note for note in self.notes if note.code is Note.FEWER_CHANNELS]
-        failed += [Check(Remark(RecordCheck.FEWER_CHANNELS, note.numbers), Level.CARE) for note in fewer]
+        failed = [
+            Check(Remark(CALLS_FOR_CARE[note.code], note.numbers), Level.CARE)
+            for note in self.notes
+            if isinstance(note.code, Note) and note.code in CALLS_FOR_CARE
+        ]
         unsettled = () if self.estimate is not None else self.notes
         failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
         if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):

@@ -147,6 +147,11 @@ class RecordCheck(Code):
             )
         ),
     )
+    MEANS = (
+        "means",
+        "Means over {size} samples are used: with all samples there is no clear result. Compare the fit with the "
+        "record.",
+    )
     NO_SHARED_MODE = "no shared mode", "{tests} share no mode: they do not seem to be tests of one structure."
     SHARES_NO_MODE = (
         "shares no mode",
