@@ -18,6 +18,7 @@ from suspid.analysis.used import Used, used_of
 from suspid.decays import BY_CHANCE, GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
+from suspid.model import ModalSet
 from suspid.records import cut, late_start
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -33,8 +34,8 @@ MOST_NEXT = 4
 # The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
 # it, its decay would not be known.
 EARLY_PART = 0.25
-# Of modes that are all damped by more than this the second half of the first cycle has less than a tenth of the size of
-# the first: any pulse looks like that, and where the decay is doubted anyway, that is no mode. Modes of cars have less.
+# Where the slowest mode is damped by more than this, the second half of its first cycle has less than a tenth of the
+# size of the first: any pulse looks like that, and where the decay is doubted, that is no mode. Bodies have less.
 NO_CYCLE = 0.6
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
@@ -96,12 +97,12 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     clear = [decay for decay in decays if not by_chance(decay)]
     if clear:
         best = used_of(record, decays, clear[0])
-        if late and not clear[0].doubts:
+        if late and not clear[0].doubts and _swings(clear[0]):
             return best
         part = tried(best.record, settings)
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
-        swings = part is None or not clear[0].doubts or _swings(part)
+        swings = part is None or not (clear[0].doubts or _doubtful(part)) or _swings(part.modes)
         if part is not None and swings and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
         sure = not swings or (whole is not None and len(whole.modes))
@@ -212,14 +213,14 @@ def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Dec
     for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):
         used = used_of(record, decays, decay)
         found = tried(used.record, settings)
-        if found is not None and len(found.modes) and _swings(found):
+        if found is not None and len(found.modes) and _swings(found.modes):
             return replace(used, identification=found)
     return None
 
 
-def _swings(found: Identification) -> bool:
-    """Return whether a mode makes cycles that can be seen, or none was found."""
-    return not len(found.modes) or bool(np.min(found.modes.zeta) < NO_CYCLE)
+def _swings(modes: Decay | ModalSet) -> bool:
+    """Return whether the slowest mode makes cycles that can be seen, or there is none."""
+    return not modes.wn.size or float(modes.zeta[np.argmin(modes.wn)]) < NO_CYCLE
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:
