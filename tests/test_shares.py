@@ -5,7 +5,7 @@ import pytest
 
 from suspid import Decay, analyse
 from suspid.decays import by_chance
-from suspid.decays.shares import with_doubt_of_share
+from suspid.decays.shares import with_doubts_of_others
 from suspid.records import as_response
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Level, Remark
@@ -36,34 +36,34 @@ def stretch(start: float, stop: float, hertz: float, *codes: DecayDoubt) -> Deca
     )
 
 
-def share_said(decay: Decay) -> tuple[float, float] | None:
-    said = [doubt for doubt in decay.doubts if doubt.code is DecayDoubt.SMALL_PART]
-    return (float(said[0].numbers["share"]), float(said[0].numbers["together"])) if said else None  # type: ignore[arg-type]
+def share_said(decay: Decay) -> object:
+    said = [doubt.numbers["share"] for doubt in decay.doubts if doubt.code is DecayDoubt.SMALL_PART]
+    return said[0] if said else None
 
 
 def test_share_of_a_steady_tone_is_that_of_the_time() -> None:
-    (decay,) = with_doubt_of_share(hum(), [stretch(20, 24, 4.0, DecayDoubt.TOO_SHORT)])
-    assert share_said(decay) == pytest.approx((0.04, 0.04), abs=0.002)
-    assert by_chance(decay)
-    (decay,) = with_doubt_of_share(hum(), [stretch(20, 32, 4.0, DecayDoubt.TOO_SHORT)])
+    (decay,) = with_doubts_of_others(hum(), [stretch(20, 24, 4.0, DecayDoubt.NONLINEAR)])
+    assert share_said(decay) == pytest.approx(0.04, abs=0.002)
+    assert "4 % of the motion" in str(decay.doubts[-1])
+    (decay,) = with_doubts_of_others(hum(), [stretch(20, 32, 4.0, DecayDoubt.NONLINEAR)])
     assert share_said(decay) is None
-    (decay,) = with_doubt_of_share(hum(), [stretch(20, 24, 4.0)])
-    assert not decay.doubts
 
 
-def test_decays_with_the_same_modes_count_together() -> None:
-    twice = [stretch(20, 26, 4.0, DecayDoubt.TOO_SHORT), stretch(60, 66, 4.05)]
-    assert share_said(with_doubt_of_share(hum(), twice)[0]) is None
-    apart = [stretch(20, 26, 4.0, DecayDoubt.TOO_SHORT), stretch(60, 66, 4.3)]
-    assert share_said(with_doubt_of_share(hum(), apart)[0]) == pytest.approx((0.06, 0.06), abs=0.002)
+def test_the_free_end_of_a_car_that_is_pushed_may_be_a_small_part() -> None:
+    for doubts in ((), (DecayDoubt.TOO_SHORT,)):
+        (decay,) = with_doubts_of_others(hum(), [stretch(20, 24, 4.0, *doubts)])
+        assert tuple(doubt.code for doubt in decay.doubts) == doubts
 
 
-def test_others_do_not_speak_for_a_decay_that_no_fit_explains() -> None:
-    twice = [stretch(20, 26, 4.0, DecayDoubt.NONLINEAR), stretch(60, 66, 4.05)]
-    decay = with_doubt_of_share(hum(), twice)[0]
-    assert share_said(decay) == pytest.approx((0.06, 0.12), abs=0.003)
-    # It is doubted, but not by chance.
-    assert not by_chance(decay)
+def test_a_doubted_decay_among_many_with_other_modes_is_doubted_more() -> None:
+    others = [stretch(first, first + 15, hertz) for first, hertz in ((0, 5.0), (20, 6.0), (40, 7.0), (60, 8.0))]
+    *same, last = with_doubts_of_others(hum(), [*others, stretch(80, 95, 4.0, DecayDoubt.TOO_SHORT)])
+    assert DecayDoubt.COMPANY in {doubt.code for doubt in last.doubts}
+    assert by_chance(last)
+    assert not any(decay.doubts for decay in same)
+    # Three others may be chance.
+    *_, last = with_doubts_of_others(hum(), [*others[:3], stretch(80, 95, 4.0, DecayDoubt.TOO_SHORT)])
+    assert DecayDoubt.COMPANY not in {doubt.code for doubt in last.doubts}
 
 
 @pytest.mark.slow

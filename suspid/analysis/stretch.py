@@ -15,14 +15,14 @@ from suspid.analysis.held import without_held
 from suspid.analysis.longer import longer, shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import BY_CHANCE, GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
+from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.model import ModalSet
 from suspid.records import cut, late_start
 from suspid.signals import as_signal
 from suspid.units import Second
-from suspid.words import Level, Note, Number, Remark
+from suspid.words import DecayDoubt, Level, Note, Number, Remark
 
 if TYPE_CHECKING:
     import control
@@ -207,7 +207,7 @@ def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Dec
     Where most events are no decays, a mode that is found in one try of several is no finding.
     """
     best = clear[0]
-    if any(doubt.code in BY_CHANCE for doubt in best.doubts):
+    if any(doubt.code is DecayDoubt.COMPANY for doubt in best.doubts):
         return None
     later = [replace(best, start=best.start + share * (best.stop - best.start)) for share in LATER_SHARES]
     for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):

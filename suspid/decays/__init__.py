@@ -11,12 +11,11 @@ from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.find_decays import find_decays
 from suspid.decays.predictions import releases_before
 from suspid.decays.refusals import DRIVEN
-from suspid.decays.shares import BY_CHANCE, FIT, by_chance
+from suspid.decays.shares import FIT, by_chance
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, block_means, unexplained
 
 __all__ = [
-    "BY_CHANCE",
     "DRIVEN",
     "FEWEST_EARLY",
     "FIT",

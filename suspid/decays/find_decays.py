@@ -17,7 +17,7 @@ from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.decays.fading import decay_of_fading
 from suspid.decays.releases import releases
-from suspid.decays.shares import same_modes, shares_a_mode, with_doubt_of_share
+from suspid.decays.shares import shares_a_mode, with_doubts_of_others
 from suspid.decays.tails import free_end
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
@@ -93,7 +93,7 @@ def find_decays(
     if coarse is not None:
         decays, said = _found(coarse)
         remarks = said if decays else remarks
-    return _ranked(with_doubt_of_share(signal, decays), remarks)
+    return _ranked(with_doubts_of_others(signal, decays), remarks)
 
 
 def _recording(signal: Signal) -> Recording:
@@ -183,13 +183,11 @@ def _let_go(recording: Recording) -> list[Decay]:
 def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Burst]) -> Decay:
     """Return a decay, doubted if most events that are not far weaker are no decays; those are no larger than clicks.
 
-    If it is in doubt anyway, decays that have other modes count as none. What rises within the decay, as where friction
-    holds a mass and lets it go, is part of it.
+    What rises within the decay, as where friction holds a mass and lets it go, is part of it.
     """
     others = sum(burst.level > decay.level - RISE and not decay.start < burst.onset < decay.stop for burst in refused)
-    beside = [other for other in decays if other.level > decay.level - RISE]
-    unlike = sum(not same_modes(decay, other) for other in beside) if decay.doubts else 0
-    return replace(decay, doubts=(*decay.doubts, *doubts_of_company(others + unlike, others + len(beside))))
+    beside = sum(other.level > decay.level - RISE for other in decays)
+    return replace(decay, doubts=(*decay.doubts, *doubts_of_company(others, others + beside)))
 
 
 def _left(decay: Decay) -> float:

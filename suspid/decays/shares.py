@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.decays.decay import GRAVE, Decay
+from suspid.decays.doubts import doubts_of_company
 from suspid.decays.trials import block_means, block_size
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Remark
 
-# Doubts of a quick fit to a decay, that it is long enough for its modes, and that it is more than a coincidence.
+# Doubts of a quick fit to a decay, and that it is long enough for its modes.
 FIT = frozenset(
     {DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.GROWING, DecayDoubt.HIGH_RESIDUAL}
 )
 LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
-BY_CHANCE = frozenset({DecayDoubt.COMPANY, DecayDoubt.SMALL_PART})
-# Decays with the same modes that have less than this share of the power of the speeds of a recording are a small part
-# of it. A larger share doubts one push of several, a smaller one believes what looks like a decay by chance.
+# Decays that have less than this share of the power of the speeds of a recording are a small part of it. A larger share
+# doubts one push of several, a smaller one believes what looks like a decay by chance.
 SMALL = 0.1
 # A body that is let go again and again shows the same mode, to within this share of its frequency: five standard
 # deviations after two cycles. In a wider band, modes of different stretches of a drive agree by chance.
@@ -29,33 +29,27 @@ SAME_MODE = 0.1
 SAME_MODES = 0.03
 
 
-def with_doubt_of_share(signal: Signal, decays: Sequence[Decay]) -> list[Decay]:
-    """Return decays; those in doubt are doubted more where most of the motion is in none that has the same modes.
+def with_doubts_of_others(signal: Signal, decays: Sequence[Decay]) -> list[Decay]:
+    """Return decays; those in doubt are doubted more where most others have other modes.
 
-    Where a fit to one does not hold, others that have its modes do not speak for it.
+    So is one that no quick fit explains where most of the motion is elsewhere: forces may explain any short stretch.
     """
-    shares = [_share(signal, decay) for decay in decays]
     out = []
-    for decay, share in zip(decays, shares, strict=True):
-        alike = [other is decay or same_modes(decay, other) for other in decays]
-        together = sum(one for one, same in zip(shares, alike, strict=True) if same)
+    for decay in decays:
         codes = {doubt.code for doubt in decay.doubts}
-        small = share < SMALL and bool(codes) and (together < SMALL or bool(codes & FIT))
-        doubt = (Remark(DecayDoubt.SMALL_PART, {"share": share, "together": together}),) if small else ()
-        out.append(replace(decay, doubts=(*decay.doubts, *doubt)))
+        share = _share(signal, decay) if codes & FIT else 1.0
+        doubts: tuple[Remark, ...] = (Remark(DecayDoubt.SMALL_PART, {"share": share}),) if share < SMALL else ()
+        if codes and DecayDoubt.COMPANY not in codes:
+            unlike = sum(other is not decay and not same_modes(decay, other) for other in decays)
+            doubts += doubts_of_company(unlike, len(decays))
+        out.append(replace(decay, doubts=(*decay.doubts, *doubts)))
     return out
 
 
 def by_chance(decay: Decay) -> bool:
     """Return whether a stretch looks like a decay by chance: most events are none, and it says little of its modes."""
-    codes = {doubt.code for doubt in decay.doubts if not _in_others(doubt)}
-    return bool(codes & BY_CHANCE) and bool(codes & (GRAVE - BY_CHANCE | LITTLE))
-
-
-def _in_others(doubt: Remark) -> bool:
-    """Return whether decays with the modes of a small part are no small part."""
-    together = doubt.numbers.get("together")
-    return isinstance(together, float) and together >= SMALL
+    codes = {doubt.code for doubt in decay.doubts}
+    return DecayDoubt.COMPANY in codes and bool(codes & (GRAVE - {DecayDoubt.COMPANY} | LITTLE))
 
 
 def shares_a_mode(decay: Decay, others: Sequence[Decay]) -> bool:

@@ -98,8 +98,8 @@ class DecayDoubt(Code):
         "small part",
         sentence(
             lambda n: (
-                f"{_percent(n['share'])} of the motion of the recording is in this decay, {_percent(n['together'])} in "
-                f"decays with its modes: the recording may be driven throughout"
+                f"{_percent(n['share'])} of the motion of the recording is in this decay: the recording may be driven "
+                f"throughout, and the fit may be a coincidence"
             )
         ),
     )
