@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import level_of, tried
+from suspid.analysis.choice import level_of
+from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used
 from suspid.decays import DRIVEN
@@ -44,8 +45,8 @@ def with_fewer_channels(
     names = as_signal(used.record).channels
     if len(names) < 2:
         return used
-    found = used.identification or tried(used.record, settings)
-    used = replace(used, identification=found)
+    used = with_identification(used, settings)
+    found = used.identification
     before = Level.NONE if found is None else level_of(found, used.used)
     if found is None or before > Level.DOUBTFUL:
         return used
@@ -55,7 +56,7 @@ def with_fewer_channels(
             fewer = stretch_of(of_channels(record, kept), settings)
         except SuspidError:
             continue
-        again = fewer.identification or tried(fewer.record, settings)
+        again = with_identification(fewer, settings).identification
         if again is not None and level_of(again, fewer.used) > before:
             out = tuple(name for name in names if name not in kept)
             return replace(

@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.analysis.choice import level_of, tried
 from suspid.analysis.forced_start import SAME_POLE
+from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
 from suspid.decays import Decays, block_means, by_chance
@@ -37,9 +38,8 @@ def with_means(record: control.TimeResponseData, used: Used, settings: Settings)
     """
     if settings.decay != "auto" or settings.method != "likelihood" or len(used.used) > 1:
         return used
-    found = used.identification or tried(used.record, settings)
-    used = replace(used, identification=found)
-    if found is not None and len(found.modes) and level_of(found, used.used) > Level.DOUBTFUL:
+    used = with_identification(used, settings)
+    if used.identification is not None and level_of(used.identification, used.used) > Level.DOUBTFUL:
         return used
     for part in _parts(record, used):
         agreed = _agreed(part, settings)
@@ -74,7 +74,7 @@ def _parts(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
 
 
 def _agreed(part: Used, settings: Settings) -> Used | None:
-    """Return the part of the shortest of two blocks in whose means the same modes are found; None if there are none."""
+    """Return the means over the shorter of two blocks that show the same modes; None if no two do."""
     signal, fastest = as_signal(part.record), _fastest(part)
     before = list[tuple[Used, Identification]]()
     for size in dict.fromkeys(int(2 * np.pi / (each * fastest * signal.step)) for each in LEFT_PER_CYCLE):
@@ -94,10 +94,10 @@ def _agreed(part: Used, settings: Settings) -> Used | None:
 
 def _fastest(part: Used) -> RadianPerSecond:
     """Return the frequency of the fastest mode of a part, as the search for decays or an identification has it."""
-    if part.used:
-        return float(np.max(part.used[0].wn))
     found = part.identification
-    return np.inf if found is None or not len(found.modes) else float(np.max(found.modes.wn))
+    of_found = np.zeros(0) if found is None else found.modes.wn
+    wn = part.used[0].wn if part.used else of_found
+    return float(np.max(wn)) if wn.size else np.inf
 
 
 def _same(one: Identification, other: Identification) -> bool:

@@ -12,7 +12,7 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
-from suspid.analysis.longer import longer, shared_modes
+from suspid.analysis.longer import longer, shared_modes, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
@@ -102,13 +102,13 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         part = tried(best.record, settings)
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
-        swings = part is None or not (clear[0].doubts or _doubtful(part)) or _swings(part.modes)
-        if part is not None and swings and (whole is None or not explains(whole, part)):
+        pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not _swings(part.modes)
+        if part is not None and not pulse and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
-        sure = not swings or (whole is not None and len(whole.modes))
-        again = None if sure else _again(record, decays, clear, settings)
-        if again is not None:
-            return again
+        if not pulse and (whole is None or not len(whole.modes)):
+            again = _again(record, decays, clear, settings)
+            if again is not None:
+                return again
     whole = tried(record, settings) if late and not clear else whole
     said: dict[str, Number] = {
         "found": len(decays),
@@ -129,7 +129,7 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
     decays = best.decays
     if len(best.used) != 1 or not isinstance(decays, Decays) or len(decays) < 2:
         return best
-    best = replace(best, identification=best.identification or tried(best.record, settings))
+    best = with_identification(best, settings)
     if not _doubtful(best.identification):
         return best
     tries = [best]
@@ -156,8 +156,8 @@ def _once_free(record: control.TimeResponseData, best: Used, settings: Settings)
     """Return the decay from a later start on where modes at its start stand for a force that ends."""
     if len(best.used) != 1:
         return best
-    found = best.identification or tried(best.record, settings)
-    best = replace(best, identification=found)
+    best = with_identification(best, settings)
+    found = best.identification
     decay, decays = best.used[0], best.decays
     if found is None or not isinstance(decays, Decays):
         return best

@@ -3,15 +3,15 @@
 `find_decays` finds the events in a recording (a bump, a step, a release), finds where the excitation of each ends,
 checks each decay with `identify` and ranks them. Below it: `envelopes` (band power above the background), `bursts`
 (the events), `trials` and `sketches` (quick fits), `starts`, `predictions` and `verification` (the first sample of the
-decay), `refusals`, `doubts` and `kinds` (what is said of it), `fading` (large swings), `candidates` (all of that for
-one event), `tails` (the free end of a driven record) and `releases` (a car that is pushed and let go again and again).
+decay), `refusals`, `doubts`, `others` and `kinds` (what is said of it), `fading` (large swings), `candidates` (all of
+that for one event), `tails` (the free end of a driven record) and `releases` (a car that is pushed and let go again and
+again).
 """
 
-from suspid.decays.decay import GRAVE, Decay, Decays
+from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
 from suspid.decays.predictions import releases_before
 from suspid.decays.refusals import DRIVEN
-from suspid.decays.shares import FIT, by_chance
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, block_means, unexplained
 

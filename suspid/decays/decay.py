@@ -30,6 +30,12 @@ GRAVE = frozenset(
     }
 )
 
+# Doubts of a quick fit to a decay, and that it is long enough for its modes.
+FIT = frozenset(
+    {DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.GROWING, DecayDoubt.HIGH_RESIDUAL}
+)
+LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Decay(Result):
@@ -161,6 +167,12 @@ class Decays(Sequence[Decay], Result):
         parts = [text_table(columns, widest=TERMINAL)] if self else [str(Remark(DecayRemark.NONE))]
         doubts = [f"decay {decay.rank}: {'; '.join(map(str, decay.doubts))}" for decay in self if decay.doubts]
         return "\n".join([*parts, *doubts, *map(str, self.remarks)])
+
+
+def by_chance(decay: Decay) -> bool:
+    """Return whether a stretch looks like a decay by chance: most events are none, and it says little of its modes."""
+    codes = {doubt.code for doubt in decay.doubts}
+    return DecayDoubt.COMPANY in codes and bool(codes & (GRAVE - {DecayDoubt.COMPANY} | LITTLE))
 
 
 def _columns(decays: Sequence[Decay]) -> dict[str, list[object]]:

@@ -16,8 +16,8 @@ from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.decays.fading import decay_of_fading
+from suspid.decays.others import shares_a_mode, with_doubts_of_others
 from suspid.decays.releases import releases
-from suspid.decays.shares import shares_a_mode, with_doubts_of_others
 from suspid.decays.tails import free_end
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES

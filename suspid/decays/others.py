@@ -1,4 +1,4 @@
-"""How much of the motion of a recording is in its decays: where that is little, it may be driven throughout."""
+"""What the other decays of a recording and the rest of its motion say of a decay: it may be driven throughout."""
 
 from __future__ import annotations
 
@@ -7,17 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from suspid.decays.decay import GRAVE, Decay
+from suspid.decays.decay import FIT, Decay
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.trials import block_means, block_size
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Remark
 
-# Doubts of a quick fit to a decay, and that it is long enough for its modes.
-FIT = frozenset(
-    {DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.GROWING, DecayDoubt.HIGH_RESIDUAL}
-)
-LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 # Decays that have less than this share of the power of the speeds of a recording are a small part of it. A larger share
 # doubts one push of several, a smaller one believes what looks like a decay by chance.
 SMALL = 0.1
@@ -44,12 +39,6 @@ def with_doubts_of_others(signal: Signal, decays: Sequence[Decay]) -> list[Decay
             doubts += doubts_of_company(unlike, len(decays))
         out.append(replace(decay, doubts=(*decay.doubts, *doubts)))
     return out
-
-
-def by_chance(decay: Decay) -> bool:
-    """Return whether a stretch looks like a decay by chance: most events are none, and it says little of its modes."""
-    codes = {doubt.code for doubt in decay.doubts}
-    return DecayDoubt.COMPANY in codes and bool(codes & (GRAVE - {DecayDoubt.COMPANY} | LITTLE))
 
 
 def shares_a_mode(decay: Decay, others: Sequence[Decay]) -> bool:

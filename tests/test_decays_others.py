@@ -1,11 +1,11 @@
-"""How much of a recording's motion a decay has: of many stretches of driven motion some look like a decay."""
+"""What is beside a decay in a recording: of many stretches of driven motion some look like a decay."""
 
 import numpy as np
 import pytest
 
 from suspid import Decay, analyse
 from suspid.decays import by_chance
-from suspid.decays.shares import with_doubts_of_others
+from suspid.decays.others import with_doubts_of_others
 from suspid.records import as_response
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Level, Remark
@@ -64,6 +64,15 @@ def test_a_doubted_decay_among_many_with_other_modes_is_doubted_more() -> None:
     # Three others may be chance.
     *_, last = with_doubts_of_others(hum(), [*others[:3], stretch(80, 95, 4.0, DecayDoubt.TOO_SHORT)])
     assert DecayDoubt.COMPANY not in {doubt.code for doubt in last.doubts}
+
+
+@pytest.mark.parametrize("seed", [901, 911])
+def test_a_pulse_that_never_swings_is_no_decay(seed: int) -> None:
+    from validation import no_decay
+
+    time, values = no_decay.KINDS["half-sine pulse"](np.random.default_rng(seed))
+    found = analyse(as_response(time, values, [f"y{k}" for k in range(len(values))]))
+    assert not len(found.modes)
 
 
 @pytest.mark.slow
