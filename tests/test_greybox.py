@@ -433,6 +433,20 @@ class TestJudgement:
         assert not found.explains
         assert found.verdict.level is Level.DOUBTFUL
 
+    @pytest.mark.parametrize(
+        ("factor", "level"), [(1.0, Level.SOUND), (1.003, Level.CARE), (1.01, Level.CARE), (1.1, Level.DOUBTFUL)]
+    )
+    def test_records_of_two_cars_are_told(self, factor: float, level: Level) -> None:
+        """Springs that differ by 0.3 % are three standard deviations apart; the joint residual is white there."""
+        other = QUARTER.with_parameters(stiffness={"chassis": 22e3 * factor})
+        decays = [free_decay(car, TIMES, initial_state={"v_tire": 1.0}) for car in (QUARTER, other)]
+        records = [add_noise(one, snr_db=40.0, rng=np.random.default_rng(i)) for i, one in enumerate(decays)]
+        found = estimate(records, QUARTER.with_parameters(damping={"chassis": 1100}))
+        said = [one for one in found.verdict.checks if one.remark.code is EstimateCheck.NOT_ONE_CAR]
+        assert found.verdict.level is level
+        assert [one.level for one in said] == [level] * (factor > 1)
+        assert all(one.remark.numbers["name"] == "chassis.stiffness" for one in said)
+
     @pytest.mark.parametrize(("lacking", "level"), [(True, Level.DOUBTFUL), (False, Level.CARE)])
     def test_a_residual_that_follows_the_road_is_no_noise(self, lacking: bool, level: Level) -> None:
         """A load that swings on the body is missing from the car; or there is noise as loud, as coloured."""

@@ -72,6 +72,16 @@ class EstimateHeadline(Code):
     FOUND = "found", _found
 
 
+def _not_one_car(numbers: Numbers) -> str:
+    change = 100 * numbers["change"]
+    return (
+        f"The records are not of one car: fitted alone, record {numbers['record']} has {numbers['name']} "
+        f"{change:+.2g} % from the value above, and {numbers['share']:.2g} of the power of its residual goes "
+        f"(chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}). The intervals do not allow for it. "
+        f"Estimate each record alone and compare."
+    )
+
+
 class EstimateCheck(Code):
     """Checks of a suspension that was estimated."""
 
@@ -87,6 +97,7 @@ class EstimateCheck(Code):
         "channel's motion, less than the error of any sensor. It is not white; the intervals allow for its colour.",
     )
     UNEXPLAINED = "unexplained", _unexplained
+    NOT_ONE_CAR = "not one car", _not_one_car
     NOTHING_FOLLOWS = (
         "nothing follows",
         "With the springs and dampers found, the car explains how the channels follow the given motion (chi-square "

@@ -184,6 +184,7 @@ AFTER: dict[Code, NextStep] = {
     ReconstructionCheck.CHANNEL_UNKNOWN: NextStep.RENAME,
     ReconstructionCheck.UNEXPLAINED: NextStep.CHECK_CAR,
     ReconstructionCheck.OTHER_UNITS: NextStep.CHECK_CAR,
+    EstimateCheck.NOT_ONE_CAR: NextStep.LEAVE_OUT,
     EstimateCheck.UNEXPLAINED: NextStep.CHECK_CAR,
     EstimateCheck.FOLLOWS: NextStep.CHECK_CAR,
     ReconstructionCheck.VANISHED: NextStep.LET_FREE,
