@@ -19,6 +19,7 @@ from suspid.io.text.endings import is_open
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
+from suspid.io.text.thousands import refuse_thousands
 from suspid.units import RealArray
 from suspid.values import listed
 from suspid.wording import Argument
@@ -64,6 +65,7 @@ def read_delimited(path: Path) -> Table:
         _refuse_frames(top)
         _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1)
         raise
+    refuse_thousands([*top[layout.first :], *(row.decode() for row in middle)], layout.names, layout.dialect)
     body = text[sum(len(line) + 1 for line in head[: layout.first]) :]
     del text
     rows, odd = find_rows(body, layout, is_open=ends_within)

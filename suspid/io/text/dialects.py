@@ -21,8 +21,8 @@ from suspid.files import printable
 from suspid.io.names import plain
 from suspid.io.text.cells import Kind, kind_of
 
-# Digits with marks between them, in a cell that is not a number.
-NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
+# Digits with marks between them, in a cell that is not a number; narrow blanks and apostrophes mark thousands too.
+NUMERIC = re.compile("[+-]?[\\d.,][\\d.,;\t '\u2019\xa0\u2009\u202f+\\-eE]*")
 # Shapes of numbers and delimiters, and what may be a date among them.
 NUMBER_ROW, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
 COMMENTS = ("#", "%", "//")
