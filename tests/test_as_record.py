@@ -149,6 +149,8 @@ def test_units_and_times_of_xarray() -> None:
         (lambda: as_record(table().assign(note="x"), fs=FS), r"'note'.*data.drop"),
         (lambda: as_record((TIME[:-1], VALUES)), "999 time points, but 1000 samples"),
         (lambda: as_record((TIME**2, VALUES)), "irregular"),
+        (lambda: as_record((TIME + 3600 * (TIME > 1), VALUES)), "gap: after t = 1 s the next stamp is 3600.* s later"),
+        (lambda: identify(np.where(TIME > 1, np.inf, VALUES), fs=FS), "not finite"),
         (lambda: as_record(VALUES, fs=0.0), "must be a positive"),
         (lambda: as_record(VALUES, fs=True), "fs = True must be a positive"),
         (lambda: as_record(VALUES, fs=FS, timepts=TIME), "one of them"),
