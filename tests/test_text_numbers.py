@@ -102,3 +102,8 @@ def test_other_files_under_the_name_of_text_are_told(tmp_path: Path, start: byte
     (tmp_path / "r.csv").write_bytes(start + bytes(range(256)))
     with pytest.raises(RecordError, match=r"it looks like .*\((unpack it|export the sheet as CSV)\)"):
         read_recording(tmp_path / "r.csv")
+
+
+def test_a_name_that_no_file_can_have_is_told() -> None:
+    with pytest.raises(RecordError, match="there is no such file"):
+        read_recording("x" * 5000)

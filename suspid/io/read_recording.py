@@ -97,7 +97,7 @@ def _hint(path: Path) -> str:
     marked = marked_format(path)
     if marked is not None and format_of(path) is not marked:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
-    if format_of(path) is PLAIN_TEXT and (seen := appearance(path)):
+    if (seen := appearance(path)) and format_of(path) is PLAIN_TEXT:
         return f"; it looks like {seen}"
     if not is_guess(path):
         return ""
