@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -54,6 +55,15 @@ class TestInput:
         assert run("modes -", RECORD.read_bytes()).stderr.startswith("suspid: error: standard input: is not TOML")
         assert "standard input: is a description" in run("identify -", CAR.read_bytes()).stderr
         assert "standard input is a car" in run("ride -", CAR.read_bytes()).stderr
+
+    def test_without_room_for_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        def full(*_: object) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        monkeypatch.setattr(Path, "write_bytes", full)
+        told = run("modes -", CAR.read_bytes())
+        assert told.exit_code == 1
+        assert "the standard input cannot be kept in a temporary file: No space left on device" in told.stderr
 
 
 class TestOutput:
