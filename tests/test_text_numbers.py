@@ -66,7 +66,7 @@ class TestThousands:
     def read(path: Path, cells: list[str], mark: str = ";") -> list[float]:
         rows = "".join(f"{k}{mark}{cell}\n" for k, cell in enumerate(cells))
         path.write_text(f"time [ms]{mark}a\n{rows}", encoding="utf-8")
-        return read_recording(path)["a"].values.tolist()
+        return [float(value) for value in read_recording(path)["a"].values]
 
     @pytest.mark.parametrize("sign", [".", ","])
     def test_integers_with_marks(self, tmp_path: Path, sign: str) -> None:
