@@ -151,6 +151,7 @@ def test_units_and_times_of_xarray() -> None:
         (lambda: as_record((TIME**2, VALUES)), "irregular"),
         (lambda: as_record((TIME + 3600 * (TIME > 1), VALUES)), "gap: after t = 1 s the next stamp is 3600.* s later"),
         (lambda: identify(np.where(TIME > 1, np.inf, VALUES), fs=FS), "not finite"),
+        (lambda: cwt(VALUES[:, :3], fs=FS), "3 samples, too few for a transform"),
         (lambda: as_record(VALUES, fs=0.0), "must be a positive"),
         (lambda: as_record(VALUES, fs=True), "fs = True must be a positive"),
         (lambda: as_record(VALUES, fs=FS, timepts=TIME), "one of them"),
