@@ -9,7 +9,8 @@ from suspid.errors import RecordError
 from suspid.io.text.dialects import Dialect, shortened
 
 # Whole numbers below a thousand, and others whose thousands have a mark.
-SMALL, MARKED = re.compile(r"[+-]?\d{1,3}", re.A), re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.A)
+BELOW_THOUSAND = re.compile(r"[+-]?\d{1,3}", re.A)
+MARKED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.A)
 # Different small numbers that are needed: a program may write a missing sample, or nought, as a whole number.
 LEAST_SMALL = 2
 
@@ -30,7 +31,7 @@ def refuse_thousands(lines: Sequence[str], names: Sequence[str], dialect: Dialec
         small, marked = set[str](), ""
         # The names stand in the first rows, gaps between others.
         for cell in (cell for cell in column if any(map(str.isdecimal, cell))):
-            if SMALL.fullmatch(cell):
+            if BELOW_THOUSAND.fullmatch(cell):
                 small.add(cell)
             elif MARKED.fullmatch(cell):
                 marked = marked or cell
