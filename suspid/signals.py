@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 # Largest distance of a time stamp from the uniform grid, in sampling steps. At the highest frequency of use, a tenth
 # of the rate, it moves a sample by 0.6 % of the amplitude.
 JITTER = 0.01
+# A step that is so much longer than the usual one is a gap, and no jitter.
+GAP = 10.0
 # Share of the sampling rate up to which filters against aliases let a motion pass: those of loggers end there.
 PASSED = 0.4
 
@@ -190,6 +192,13 @@ def uniform_step(timepts: RealArray) -> Second:
             f"(next stamp {timepts[k + 1]:g} s); sort the record or remove the repeated samples"
         )
     step = float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+    steps = np.diff(timepts)
+    usual, longest = float(np.median(steps)), int(np.argmax(steps))
+    if steps[longest] > GAP * usual:
+        raise RecordError(
+            f"time has a gap: after t = {timepts[longest]:.9g} s the next stamp is {steps[longest]:g} s later, but the "
+            f"usual step is {usual:g} s; use the part before or after it, or fill it on a uniform grid"
+        )
     astray = np.abs(timepts - (timepts[0] + step * np.arange(len(timepts)))) / step
     worst = int(np.argmax(astray))
     if astray[worst] > JITTER:

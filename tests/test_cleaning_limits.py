@@ -125,6 +125,10 @@ class TestOrder:
             with pytest.raises(RecordError, match="runs backwards"):
                 self.order(stamps)
 
+    def test_rows_in_reverse_are_told(self) -> None:
+        with pytest.raises(RecordError, match=r"reverse order, from \S+ s down to 0 s; sort the rows by time"):
+            self.order(self.STAMPS[::-1].copy())
+
     @pytest.mark.parametrize(("count", "removed"), [(5, 5), (6, 0)])
     def test_more_repeated_rows_than_asked_for_are_left(self, count: int, removed: int) -> None:
         stamps, values = self.STAMPS.copy(), np.random.default_rng(1).standard_normal((1, 100))

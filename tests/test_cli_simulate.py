@@ -120,6 +120,7 @@ def test_a_force_is_swept(tmp_path: Path) -> None:
         (["--road", "A", "--speed", "5:20,2:10", "--seed", "1"], "must ascend"),
         (["--road", "A", "--speed", "0:20,9:fast", "--seed", "1"], "'fast' is not a number"),
         (["--road", "A", "--speed", "20"], "--snr and --road need --seed"),
+        (["--impulse", "chassis", "--seed", "1"], "--seed goes with --snr or --road"),
         (["--impulse", "road", "--input", "road"], "--input goes with --sweep or --step"),
         (["--road", "A", "--speed", "20", "--seed", "1", "--behind", "road=rod:1"], "write ROAD=OTHER:METRES"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -55,6 +56,15 @@ class TestInput:
         assert "standard input: is a description" in run("identify -", CAR.read_bytes()).stderr
         assert "standard input is a car" in run("ride -", CAR.read_bytes()).stderr
 
+    def test_without_room_for_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        def full(*_: object) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        monkeypatch.setattr(Path, "write_bytes", full)
+        told = run("modes -", CAR.read_bytes())
+        assert told.exit_code == 1
+        assert "the standard input cannot be kept in a temporary file: No space left on device" in told.stderr
+
 
 class TestOutput:
     def test_json_stands_alone(self) -> None:
@@ -81,3 +91,29 @@ class TestOutput:
         found = subprocess.run(line, capture_output=True, check=False)
         assert found.returncode == 0, found.stderr
         assert found.stdout.startswith(b"{")
+
+
+class TestClosed:
+    """Streams that were closed before the start, as by `>&-`, cost no file and end in no traceback."""
+
+    COMMAND = f"{sys.executable} -m suspid modes {CAR}"
+
+    def test_output(self, tmp_path: Path) -> None:
+        file = tmp_path / "modes.json"
+        shell = f"{self.COMMAND} --json {file} >&-"
+        told = subprocess.run(shell, shell=True, stderr=subprocess.PIPE, text=True, check=False)
+        assert (told.returncode, told.stderr) == (0, "")
+        assert len(json.loads(file.read_text())["modes"]) == 3
+
+    def test_input(self) -> None:
+        shell = f"{sys.executable} -m suspid identify - <&-"
+        told = subprocess.run(shell, shell=True, stderr=subprocess.PIPE, text=True, check=False)
+        assert told.returncode == 2
+        assert "is empty: pipe a file into it, or name a file" in told.stderr
+
+
+def test_a_backend_of_matplotlib_that_does_not_exist_draws_files(tmp_path: Path) -> None:
+    picture = tmp_path / "modes.png"
+    command = [sys.executable, "-m", "suspid", "identify", str(RECORD), "--to", "3", "--plot", str(picture)]
+    subprocess.run(command, env=os.environ | {"MPLBACKEND": "nosuch"}, capture_output=True, check=True)
+    assert picture.stat().st_size > 0

@@ -51,3 +51,10 @@ def test_standard_deviations_are_those_of_each_mode(tmp_path: Path) -> None:
     assert modes.covariance is not None
     assert not np.any(modes.covariance[:2, 2:])
     assert np.allclose(modes.covariance, modes.covariance.T, rtol=1e-12)
+
+
+def test_modes_of_a_newer_version_say_what_to_do(tmp_path: Path) -> None:
+    path = tmp_path / "modes.json"
+    path.write_text('{"format": "suspid modes 2", "modes": []}')
+    with pytest.raises(InputError, match="'suspid modes 2' is not known.*update suspid, or write the modes again"):
+        read_modes(path)

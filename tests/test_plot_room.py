@@ -212,3 +212,15 @@ class TestPages:
     @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
     def test_of_an_identification(self, size: tuple[float, float]) -> None:
         assert overlaps(plot_identification(identify(RECORD), Figure(figsize=size))) == []
+
+    @pytest.mark.parametrize("count", [5, 20, 60])
+    def test_of_many_channels(self, count: int) -> None:
+        """Names of channels take no room from the panels, and the time stands below both columns of the fit."""
+        rng = np.random.default_rng(0)
+        motion = rng.standard_normal((count, 3)) @ np.asarray(RECORD.outputs)
+        noise = 1e-3 * np.std(motion, axis=1, keepdims=True) * rng.standard_normal(motion.shape)
+        figure = plot_identification(identify(motion + noise, fs=100.0), Figure(figsize=PAGE))
+        assert overlaps(figure) == []
+        lowest = [ax for ax in figure.axes if ax.axison and "explained" in ax.get_title(loc="left") and ax.get_xlabel()]
+        assert len(lowest) == 2
+        assert all(any(label.get_visible() for label in ax.get_xticklabels()) for ax in lowest)

@@ -786,3 +786,18 @@ class TestJson:
         assert isinstance(verdict, dict)
         for said in (verdict["headline"]["text"].capitalize(), *(check["text"] for check in verdict["checks"])):
             assert said in text
+
+
+class TestScriptsFromRightToLeft:
+    """Names in them are isolated: browsers would draw a number behind such a name before it."""
+
+    NAME = "قناة التسارع"
+
+    def test_in_sentences(self) -> None:
+        assert str(sentence_html(f"{self.NAME} (5 %) of seat")) == f"<bdi>{self.NAME}</bdi> (5 %) of seat"
+
+    def test_above_pictures(self) -> None:
+        t = np.arange(0, 3, 0.01)
+        decay = np.exp(-t) * np.cos(30 * t) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        page = report(identify(suspid.as_record(decay, fs=100.0, channels=[self.NAME])))
+        assert re.search(rf"<h3><bdi>{self.NAME}</bdi>: [\d.]+ % explained</h3>", page)

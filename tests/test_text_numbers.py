@@ -51,3 +51,59 @@ class TestNumbers:
             except RecordError as error:
                 told.append(str(error))
         assert told[0] == told[1]
+
+    @pytest.mark.parametrize("minus", ["-1.5", "\N{MINUS SIGN}1.5"])
+    def test_the_minus_of_spreadsheets(self, tmp_path: Path, minus: str) -> None:
+        rows = "".join(f"{k / 10},{minus if k % 2 else '1.5'}\n" for k in range(50))
+        (tmp_path / "r.csv").write_text(f"t [s],a\n{rows}", encoding="utf-8")
+        assert read_recording(tmp_path / "r.csv")["a"].values[:2].tolist() == [1.5, -1.5]
+
+
+class TestThousands:
+    """Marks between thousands are refused where they would be read as decimal signs; decimals never are."""
+
+    @staticmethod
+    def read(path: Path, cells: list[str], mark: str = ";") -> list[float]:
+        rows = "".join(f"{k}{mark}{cell}\n" for k, cell in enumerate(cells))
+        path.write_text(f"time [ms]{mark}a\n{rows}", encoding="utf-8")
+        return [float(value) for value in read_recording(path)["a"].values]
+
+    @pytest.mark.parametrize("sign", [".", ","])
+    def test_integers_with_marks(self, tmp_path: Path, sign: str) -> None:
+        cells = [f"{k:,}".replace(",", sign) for k in range(-1500, 1500, 7)]
+        with pytest.raises(RecordError, match=r"'a' contains '-1[.,]500' beside '-\d+'"):
+            self.read(tmp_path / "r.csv", cells)
+
+    @pytest.mark.parametrize(
+        "cells",
+        [
+            [f"{k / 8:g}" for k in range(80, 400)],
+            [f"{k / 1000:.3f}" for k in range(-1500, 1500, 7)],
+            [f"{k / 1000:.6g}" for k in range(1000, 4000, 7)],
+            ["0" if k < 20 else f"{k / 7:.3f}" for k in range(300)],
+            ["-999" if k % 50 == 3 else f"{1 + k / 7:.3f}" for k in range(300)],
+        ],
+        ids=["eighths", "three digits", "shortest", "nought", "sentinel"],
+    )
+    @pytest.mark.parametrize("sign", [".", ","])
+    def test_decimals(self, tmp_path: Path, cells: list[str], sign: str) -> None:
+        found = self.read(tmp_path / "r.csv", [cell.replace(".", sign) for cell in cells])
+        assert found == [float(cell) for cell in cells]
+
+    @pytest.mark.parametrize("mark", [",", "\N{NARROW NO-BREAK SPACE}", "\N{RIGHT SINGLE QUOTATION MARK}"])
+    def test_decimals_with_marks_show_the_cell(self, tmp_path: Path, mark: str) -> None:
+        cells = [f"{k / 8:,.3f}".replace(",", mark) for k in range(-16000, 16000, 70)]
+        with pytest.raises(RecordError, match=r"cells such as '-2.+000\.000' are not numbers"):
+            self.read(tmp_path / "r.csv", cells)
+
+
+@pytest.mark.parametrize("start", [b"\x1f\x8b\x08\x00", b"PK\x03\x04"])
+def test_other_files_under_the_name_of_text_are_told(tmp_path: Path, start: bytes) -> None:
+    (tmp_path / "r.csv").write_bytes(start + bytes(range(256)))
+    with pytest.raises(RecordError, match=r"it looks like .*\((unpack it|export the sheet as CSV)\)"):
+        read_recording(tmp_path / "r.csv")
+
+
+def test_a_name_that_no_file_can_have_is_told() -> None:
+    with pytest.raises(RecordError, match="there is no such file"):
+        read_recording("x" * 5000)

@@ -155,6 +155,12 @@ class TestSeveralTimes:
         path.write_text(",".join(names) + "\n" + rows)
         return read_recording(path)
 
+    def test_the_same_time_in_another_unit_is_no_channel(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.csv"
+        rows = "".join(f"{k / 500:.3f},{2 * k},{y:.6f}\n" for k, y in enumerate(SEAT))
+        path.write_text(f"time_a,time_b,seat\n{rows}")
+        assert [channel.name for channel in read_recording(path).channels] == ["seat"]
+
     def test_words_joined_by_capitals_are_words(self, tmp_path: Path) -> None:
         recording = self.table(tmp_path, self.NAMES)
         said = {name: remark.code for name, remark in recording.left_out}

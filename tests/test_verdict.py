@@ -377,3 +377,19 @@ class TestNextSteps:
         assert self.after(fine) == ["use"]
         assert self.after(fine, poor) == ["poor grip", "use"]
         assert self.after(fine, poor, worn) == ["look at dampers", "poor grip", "use"]
+
+
+def test_many_channels_fit_a_screen() -> None:
+    """Tables and sentences list the first channels and count the others; the result holds all."""
+    count = 40
+    rng = np.random.default_rng(1)
+    record = free_decay(cars.PAPER, np.arange(0, 8, 0.02), initial_state={"v_tire": 1.0})
+    motion = rng.standard_normal((count, 3)) @ as_signal(record).values
+    # Three times the motion: a tenth of the energy is explained.
+    found = identify(motion + 3 * np.std(motion) * rng.standard_normal(motion.shape), fs=50.0)
+    assert len(found.explained) == count
+    text = str(found)
+    assert f"… and {count - 24} more in .explained" in text
+    (check,) = said(found.verdict, ModeCheck.CHANNELS_UNEXPLAINED)
+    assert str(check.remark).count("%") == 6
+    assert " others. They carry noise" in str(check.remark)

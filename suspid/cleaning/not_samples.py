@@ -80,6 +80,8 @@ def runs_evenly(row: RealArray) -> bool:
     >>> runs_evenly(np.arange(4) / 500), runs_evenly(np.array([0.0, 1.0, 3.0])), runs_evenly(np.ones(3))
     (True, False, False)
     """
+    if not np.all(np.isfinite(row)):
+        return False
     steps = np.diff(row)
     mean = float(np.mean(steps)) if steps.size > 1 else 0.0
     return mean > 0 and float(np.max(np.abs(steps - mean))) <= EVEN_STEPS * mean

@@ -128,6 +128,11 @@ def _disordered(times: RealArray) -> str:
             f"t = {moment(times[same[0]])} s, and no uniform clock rounds to them; remove one row of each, or give "
             f"{Argument('fs')} if the rows are regular"
         )
+    if back.size == times.size - 1:
+        return (
+            f"the rows are in reverse order, from {moment(times[0])} s down to {moment(times[-1])} s; sort the rows by "
+            f"time"
+        )
     edges = np.concatenate([[0], back + 1, [times.size]])
     longest = int(np.argmax(np.diff(edges)))
     first, last = edges[longest], edges[longest + 1] - 1

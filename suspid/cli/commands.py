@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import signal
 import sys
 import threading
@@ -41,6 +42,26 @@ def ends_when_told() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def open_closed_streams() -> None:
+    """Give the null device to standard streams that were closed, as by `>&-`; files would take their place."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode))
+
+
+@contextmanager
+def drawn_to_files() -> Iterator[None]:
+    """Let matplotlib draw to files while a command runs; the user's MPLBACKEND may need a screen, or be misspelt."""
+    before = os.environ.get("MPLBACKEND")
+    os.environ["MPLBACKEND"] = "agg"
+    try:
+        yield
+    finally:
+        del os.environ["MPLBACKEND"]
+        if before is not None:
+            os.environ["MPLBACKEND"] = before
 
 
 def stopped_code(stop: KeyboardInterrupt) -> int:
@@ -90,12 +111,13 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
+        open_closed_streams()
         for stream in (sys.stdout, sys.stderr):
             # A terminal that cannot show "±" gets its code, not a traceback.
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with ends_when_told(), within_numbers(), said_when_full(), named_elsewhere():
+            with ends_when_told(), drawn_to_files(), within_numbers(), said_when_full(), named_elsewhere():
                 return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             click.echo("suspid: stopped", err=True)

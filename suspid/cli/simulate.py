@@ -102,7 +102,8 @@ def simulate_command(
     if inputs and not (sweep or step is not None):
         raise click.UsageError("--input goes with --sweep or --step.")
     if (snr is None and road_class is None) != (seed is None):
-        raise click.UsageError("--snr and --road need --seed: the same seed makes the same record.")
+        why = "--snr and --road need --seed" if seed is None else "--seed goes with --snr or --road"
+        raise click.UsageError(f"{why}: the same seed makes the same record.")
     count = round(fs * duration) if fs * duration <= MOST_SIMULATED else 0
     if count < 2:
         raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SIMULATED} samples.")

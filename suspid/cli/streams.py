@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from suspid.cli.output import STANDARD_INPUT, STANDARD_OUTPUT, STANDS_FOR, WRITTEN_OUT
+from suspid.cli.output import STANDARD_INPUT, STANDARD_OUTPUT, STANDS_FOR, WRITTEN_OUT, Failed
 
 # First bytes of the kinds of binary files that a pipe may carry; everything else is text.
 KINDS = {
@@ -70,8 +70,14 @@ class Input(click.Path):
         content = sys.stdin.buffer.read()
         if not content:
             self.fail("- is the standard input, and it is empty: pipe a file into it, or name a file.", param, ctx)
-        path = _kept(ctx, STANDARD_INPUT, kind_of(content, self.text))
-        path.write_bytes(content)
+        try:
+            path = _kept(ctx, STANDARD_INPUT, kind_of(content, self.text))
+            path.write_bytes(content)
+        except OSError as refusal:
+            why = refusal.strerror or refusal
+            raise Failed(
+                f"the standard input cannot be kept in a temporary file: {why}; make room, or name a file"
+            ) from None
         return path
 
 

@@ -90,7 +90,8 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     array([0.3])
     """
     if content.get("format", MODES_FORMAT) != MODES_FORMAT:
-        raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {MODES_FORMAT!r}")
+        unknown = f"format {reprlib.repr(content['format'])} is not known; known: {MODES_FORMAT!r}"
+        raise InputError(f"{unknown}; update suspid, or write the modes again")
     entries = content.get("modes")
     if entries == []:
         raise InputError("no mode was found in this record: modes is empty; use a record with a free decay")

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from suspid.identification.repeats import Repeats
 
 
-# Where the poles are that a table has no room for.
+# Where the poles, and the channels, are that a table has no room for.
 WHERE_ALL_ARE = WayOut(" in .considered", "modes", "; --json FILE has all", "")
+WHERE_CHANNELS_ARE = WayOut(" in .explained and .noise_std", "modes", "; --json FILE has all", "")
+# Channels in a table: with the tables of the modes they fill a screen.
+MOST_CHANNELS_LISTED = 24
 
 
 def tables_of(found: Identification) -> str:
@@ -40,13 +43,16 @@ def tables_of(found: Identification) -> str:
     parts += [text_table(_amplitude_columns(mode, each)) for mode, each in varying]
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
+    names = as_signal(held(found, "response")).channels
     channels = {
-        "channel": as_signal(held(found, "response")).channels,
+        "channel": names,
         "explained": [f"{100 * share:.2f} %" for share in found.explained],
         "noise std": [f"{std:.3g}" for std in found.noise_std],
         "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],
     }
-    parts.append(text_table(channels, widest=TERMINAL))
+    first = {heading: cells[:MOST_CHANNELS_LISTED] for heading, cells in channels.items()}
+    more = len(names) - MOST_CHANNELS_LISTED
+    parts.append(text_table(first, widest=TERMINAL) + (f"\n… and {more} more{WHERE_CHANNELS_ARE}" if more > 0 else ""))
     if found.considered:
         # Rejected poles that the table shows; the rest is counted.
         shown = found.considered[:6]

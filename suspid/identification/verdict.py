@@ -28,7 +28,7 @@ from suspid.records import late_start
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import Hertz, Ratio
-from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
+from suspid.words import MOST_LISTED, Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
@@ -159,7 +159,9 @@ def _unexplained(found: Identification) -> Iterator[Check]:
         if share < LEAST_EXPLAINED
     ]
     if weak:
-        yield check_of(ModeCheck.CHANNELS_UNEXPLAINED, Level.CARE, {"channels": ", ".join(weak)})
+        more = len(weak) - MOST_LISTED
+        others = f" and {more} other{'s' * (more > 1)}" if more > 0 else ""
+        yield check_of(ModeCheck.CHANNELS_UNEXPLAINED, Level.CARE, {"channels": ", ".join(weak[:MOST_LISTED]) + others})
 
 
 def _one_shape(found: Identification) -> bool:

@@ -91,7 +91,8 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
             f"{taken[0]!r} is the time of the other columns, and no channel: leave it out of ({Argument('channels')})"
         )
     if names and time is None and rate is None:
-        odd = "".join(f"; {name!r} {why}" for name, why in table.unusable.items() if is_time(name))
+        stamps = {n: why for n, why in table.unusable.items() if is_time(n) or why.code is LeftOut.ODD_STAMPS}
+        odd = "".join(f"; {name!r} {why}" for name, why in stamps.items())
         raise RecordError(
             f"no column is named like a time: {listed(list(table.sizes))}; name one ({Argument('time')}), or give the "
             f"sampling rate ({Argument('fs')}){odd or increasing(table)}"

@@ -10,7 +10,7 @@ from pathlib import Path
 from suspid.arguments import explained
 from suspid.errors import RecordError
 from suspid.files import check_exists, naming
-from suspid.io.formats import format_of, is_guess, marked_format, reader_of
+from suspid.io.formats import PLAIN_TEXT, appearance, format_of, is_guess, marked_format, reader_of
 from suspid.io.timing import as_recording
 from suspid.recordings import Recording
 from suspid.units import Hertz
@@ -93,10 +93,12 @@ def _is_toml(path: Path) -> bool:
 
 
 def _hint(path: Path) -> str:
-    """Return what a file that could not be read may be, where its name does not say it."""
+    """Return what a file that could not be read may be, where its name says nothing, or something else."""
     marked = marked_format(path)
     if marked is not None and format_of(path) is not marked:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
+    if (seen := appearance(path)) and format_of(path) is PLAIN_TEXT:
+        return f"; it looks like {seen}"
     if not is_guess(path):
         return ""
     return f"; it was read as text, since records of type {path.suffix!r} are not known"

@@ -32,6 +32,8 @@ NO_SPECTRA = "records over time are needed, no spectra or frequency responses; e
 MOST_STEPS, JITTERY = 0.9, 0.25
 # No step of a clock that is read late now and then is longer than this, over the usual one, nor as much shorter.
 MOST_LATE = 2.5
+# Steps that differ by less than this, relative to them, are even but for rounding.
+EVEN_TIME = 1e-3
 
 
 def time_column(
@@ -76,12 +78,20 @@ def time_column(
 
 
 def _spare(table: Table, free: Sequence[str]) -> list[str]:
-    """Return the columns that are named as times, in a unit of time, and never fall: those of slower sensors."""
-    named = [name for name in free if may_be_time(name) and bracketed_unit(name).lower() in PER_SECOND]
+    """Return the columns that are named as times and rise in even steps, or in a unit of time and never fall.
+
+    Those that never fall are times of slower sensors.
+    """
+    named = [name for name in free if may_be_time(name)]
+    found: list[str] = []
     with contextlib.suppress(RecordError):
-        columns = zip(named, table.columns(named), strict=True)
-        return [name for name, numbers in columns if not np.any(np.diff(numbers[: filled(numbers)]) < 0)]
-    return []
+        for name, numbers in zip(named, table.columns(named), strict=True):
+            steps = np.diff(numbers[: filled(numbers)])
+            lowest, highest = float(np.min(steps, initial=np.inf)), float(np.max(steps, initial=-np.inf))
+            even = lowest > 0 and highest - lowest < EVEN_TIME * highest
+            if even or (lowest >= 0 and bracketed_unit(name).lower() in PER_SECOND):
+                found.append(name)
+    return found
 
 
 def _pairs(table: Table, times: Mapping[str, str]) -> dict[str, TimeBase]:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 MOST_LETTERS = 40
 # An option of the command line, which browsers would break after its hyphens.
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
+# Words in Hebrew, Arabic and other scripts from right to left; a number behind them would be drawn before them.
+LEFTWARD = re.compile(r"{0}(?:[\s_-]+{0})*".format(r"[\u0590-\u08ff\ufb1d-\ufdff\ufe70-\ufeff]+"))
 
 
 def plain_line(text: object) -> str:
@@ -24,10 +26,11 @@ def plain_line(text: object) -> str:
 
 
 def sentence_html(text: object) -> Markup:
-    """Return a sentence of the library as `plain_line`, with units as they are printed and unbroken options."""
+    """Return a sentence of the library as `plain_line`: units as they are printed, options unbroken, names isolated."""
     from markupsafe import Markup, escape
 
-    return Markup(OPTION.sub(r'<span class="option">\g<0></span>', str(escape(in_print(plain_line(text))))))
+    text = str(escape(in_print(plain_line(text))))
+    return Markup(LEFTWARD.sub(r"<bdi>\g<0></bdi>", OPTION.sub(r'<span class="option">\g<0></span>', text)))
 
 
 def plain_lines(text: str) -> str:

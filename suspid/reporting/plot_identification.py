@@ -15,7 +15,7 @@ from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
-from suspid.reporting.plot_skeletons import plot_skeletons
+from suspid.reporting.plot_skeletons import MOST_IN_KEY, plot_skeletons
 from suspid.reporting.thinning import first_cycles
 from suspid.results import check_kind
 from suspid.samples import held
@@ -30,12 +30,13 @@ if TYPE_CHECKING:
     from suspid.identification import Identification
 
 # What fits on one page in readable type: panels or shapes side by side, entries of a key side by side, those of a fit
-# one below another, ridges, lines of the table of modes.
+# one below another, ridges, lines of the table of modes, rows of the shapes.
 ABREAST = 4
 KEYS_ABREAST = 3
 KEYS_OF_FIT = 3
 MOST_RIDGES = 8
 MODES_ON_PAGE = 12
+ROWS_ON_PAGE = 10
 # Size in inches of a page to be printed: A4.
 PAGE = (8.27, 11.69)
 # A figure narrower or lower than this has no room for all parts of the page [inch].
@@ -124,12 +125,13 @@ def _last_parts(identification: Identification) -> list[str]:
 def _heights(identification: Identification, blocks: int, channels: int, last: Sequence[str]) -> dict[str, float]:
     """Return the height of each part [inch on A4]."""
     modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
-    keys = max(KEYS_OF_FIT, -(-(2 + len(ridges[0].channels)) // KEYS_ABREAST)) if ridges else 1
+    named = min(len(modes.channels), MOST_IN_KEY + 1)
+    keys = max(KEYS_OF_FIT, -(-(2 + named) // KEYS_ABREAST)) if ridges else 1
     heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MODES_ON_PAGE + 2), "scalogram": 2.7 if blocks < 2 else 2.3}
     heights |= {"key": 0.35 + 0.2 * keys}
     heights |= {f"skeletons {i}": 2.5 for i in range(blocks)}
     heights |= {"fit": 0.5 + 0.75 * _fit_rows(channels)}
-    return heights | ({"last": max(1.6, 0.6 + 0.2 * len(modes.channels))} if last else {})
+    return heights | ({"last": max(1.6, 0.6 + 0.2 * min(len(modes.channels), ROWS_ON_PAGE))} if last else {})
 
 
 def _fit_rows(channels: int) -> int:
@@ -189,11 +191,13 @@ def _draw_fit(
     rows = _fit_rows(len(names))
     if len(names) > ABREAST:
         grid = _subplots(spec, rows, 2)
-        plot_fit(identification, axes=grid.T.ravel()[: len(names)], channels=names, units=units)
+        drawn = grid.T.ravel()[: len(names)]
+        plot_fit(identification, axes=drawn, channels=names, units=units)
         for ax in grid.T.ravel()[len(names) :]:
             ax.set_axis_off()
-        for column in grid.T:
-            column[-1].set_xlabel("time [s]")
+        for lowest in (drawn[rows - 1], drawn[-1]):
+            lowest.set_xlabel("time [s]")
+            lowest.tick_params(labelbottom=True)
         return without_legend(grid[0, 0])
     span = first_cycles(identification, onset)
     grid = _subplots(spec, rows, 1) if span is None else _subplots(spec, rows, 2, widths=[3, 2])

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
-from suspid.reporting.axes import entitle, shown
+from suspid.reporting.axes import LAID_OUT, entitle, shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.shape_groups import ShapeGroup, shape_groups
 from suspid.results import check_kind
@@ -25,6 +25,8 @@ FULL_BAR = 0.42
 UNSEEN = 0.02
 # Width of a column that holds a frequency [inch]; in narrower ones the numbers stand upright.
 COLUMN_OF_NUMBER = 0.48
+# Height of a row whose name can be read [inch]; of lower ones, one in several is named.
+ROW_OF_NAME = 0.12
 # Quantities of channels without units, as they stand behind names.
 SHORT_QUANTITIES = {"displacement": "disp.", "velocity": "vel.", "acceleration": "acc."}
 
@@ -104,7 +106,9 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
         names = [f"{name} [{unit}]" for name, unit in zip(names, units_of, strict=True)]
         for end in np.cumsum([len(group.channels) for group in groups[:-1]]):
             ax.axhline(end - 0.5, color=Colour.GREY, linewidth=0.8)
-    ax.set_yticks(rows, names)
+    lower = ROW_OF_NAME * ax.figure.dpi * len(rows) / (LAID_OUT * ax.get_window_extent().height)
+    every = max(1, int(np.ceil(lower)))
+    ax.set_yticks(rows[::every], names[::every])
     ax.set_xlabel("natural frequency [Hz]")
     by = " by unit" if len(groups) > 1 else ", without units" if _unsaid(groups) else ""
     light = "; light: amplitude" if np.any(FULL_BAR * (np.abs(shapes) - np.abs(shapes.real)) > UNSEEN) else ""

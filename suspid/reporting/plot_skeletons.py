@@ -16,6 +16,9 @@ from suspid.wavelets import ABOVE_NOISE, Ridge, SkeletonFit, fit_skeleton
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+# Channels named in the key: the colours of further ones repeat, and their names would take the room of the lines.
+MOST_IN_KEY = len(CHANNEL_COLOURS)
+
 
 @explained
 def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
@@ -81,7 +84,8 @@ def _draw_modulus(ridge: Ridge, fit: SkeletonFit, ax: Axes) -> None:
         if not np.any(modulus[i] > 0):
             continue
         colour = CHANNEL_COLOURS[i % len(CHANNEL_COLOURS)]
-        ax.plot(*thinned(ax, ridge.timepts, modulus[i]), color=colour, linewidth=1.6, alpha=0.6, label=in_legend(name))
+        entry = in_legend(name) if i < MOST_IN_KEY else f"… {len(ridge.channels)} in all" if i == MOST_IN_KEY else None
+        ax.plot(*thinned(ax, ridge.timepts, modulus[i]), color=colour, linewidth=1.6, alpha=0.6, label=entry)
         label = None if np.isfinite(lowest) else f"{ABOVE_NOISE:g} × noise"
         level = ABOVE_NOISE * ridge.floor[i]
         ax.axhline(level, color=colour, linewidth=0.8, linestyle=":", label=label)

@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 
-from suspid.errors import InputError
+from suspid.errors import InputError, RecordError
 from suspid.signals import Signal
 from suspid.units import RadianPerSecond, RealArray
 from suspid.values import frozen_real
@@ -30,6 +30,8 @@ def row_band(
     """
     nyquist = np.pi / signal.step
     low, high = band or (2 * np.pi * 4.0 / signal.duration, 0.9 * nyquist)
+    if band is None and low >= high:
+        raise RecordError(f"the record has {signal.timepts.size} samples, too few for a transform; record longer")
     if not 0 < low < high <= nyquist:
         raise InputError(
             f"the band {low / (2 * np.pi):.5g} … {high / (2 * np.pi):.5g} Hz must be two increasing frequencies "

@@ -54,7 +54,7 @@ class LeftOut(Code):
     """
 
     # What the part is.
-    TEXT = "text", "is text"
+    TEXT = "text", sentence(lambda n: f"is text such as {n['cell']!r}" if n.get("cell") else "is text")
     TEXT_OR_BYTES = "text_or_bytes", "is text or bytes"
     ODD_STAMPS = (
         "odd_stamps",

@@ -19,6 +19,7 @@ from suspid.io.text.endings import is_open
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
+from suspid.io.text.thousands import refuse_thousands
 from suspid.units import RealArray
 from suspid.values import listed
 from suspid.wording import Argument
@@ -40,6 +41,8 @@ LABELS = {
 }
 # A frame as candump writes it: a time, the bus, the identifier and the bytes.
 FRAME = re.compile(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-F]{3,8}#", re.I)
+# Hours and minutes, in a cell that is no time of day as a whole.
+OF_CLOCK = re.compile(r"\d:\d\d")
 # The beginning in which header and layout are looked for. A larger one costs time, a smaller one misses long headers.
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 
@@ -64,6 +67,7 @@ def read_delimited(path: Path) -> Table:
         _refuse_frames(top)
         _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1)
         raise
+    refuse_thousands([*top[layout.first :], *(row.decode() for row in middle)], layout.names, layout.dialect)
     body = text[sum(len(line) + 1 for line in head[: layout.first]) :]
     del text
     rows, odd = find_rows(body, layout, is_open=ends_within)
@@ -146,8 +150,10 @@ def _clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dict[st
     kinds = {name: kind for name, kind in rows.layout.kinds.items() if name}
     why = {"text": LeftOut.TEXT, "date": LeftOut.DATES, "stamp": LeftOut.SEVERAL_TIMES}
     reasons = {name: Remark(why[kind]) for name, kind in kinds.items() if kind in why}
-    for name in (name for name, kind in kinds.items() if kind == "text" and is_time(name)):
-        reasons[name] = Remark(LeftOut.ODD_STAMPS, {"cell": next(rows.cells(name), "")})
+    top = rows.top()
+    for name in (name for name, kind in kinds.items() if kind == "text"):
+        stamped = is_time(name) or OF_CLOCK.search(top.get(name, ""))
+        reasons[name] = Remark(LeftOut.ODD_STAMPS if stamped else LeftOut.TEXT, {"cell": top.get(name, "")})
     stamps = [name for name, kind in kinds.items() if kind == "stamp"]
     named = [name for name in stamps if is_time(name)]
     chosen = next((names[0] for names in (named, stamps) if len(names) == 1), None)

@@ -21,8 +21,8 @@ from suspid.files import printable
 from suspid.io.names import plain
 from suspid.io.text.cells import Kind, kind_of
 
-# Digits with marks between them, in a cell that is not a number.
-NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
+# Digits with marks between them, in a cell that is not a number; narrow blanks and apostrophes mark thousands too.
+NUMERIC = re.compile("[+-]?[\\d.,][\\d.,;\t '\u2019\xa0\u2009\u202f+\\-eE]*")
 # Shapes of numbers and delimiters, and what may be a date among them.
 NUMBER_ROW, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
 COMMENTS = ("#", "%", "//")
@@ -118,7 +118,9 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
     """Return the dialect in which most lines of a sample are rows of numbers, and the number of cells of a row."""
     trials = _trials(counted)
     if not trials:
-        raise RecordError("contains no row of numbers; a record needs at least 2 samples, one a line")
+        # A line in the middle is no header.
+        seen = f": {shortened(sample[len(sample) // 2])} is none" if sample else ""
+        raise RecordError(f"contains no row of numbers{seen}; a record needs at least 2 samples, one a line")
     # Blanks and tabs read what tabs alone read, and a few lines of a header besides.
     tabs = max((trial.score for trial in trials if trial.dialect.delimiter == "\t"), default=0.0)
     # Share of the lines that are read with blanks as well: if tabs read as many, tabs separate the cells.

@@ -18,6 +18,8 @@ from suspid.words import LeftOut, Remark
 TOP = 1 << 16
 PIECE = 1 << 22
 
+MINUS = "\N{MINUS SIGN}".encode()
+MINUS_OF_NUMBER = re.compile(MINUS + rb"(?=[.,]?\d)")
 
 # A matrix as it is printed in brackets, with a semicolon after each row; a name may stand before it.
 OPENING = rb"^[^\S\n]*(?:[A-Za-z]\w*[^\S\n]*=[^\S\n]*)?\["
@@ -61,6 +63,9 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
         said["encoding"] = Remark(LeftOut.WINDOWS_1252, {"byte": byte, "line": line})
     content = content.rstrip(b"\x1a")
     _refuse_control(content)
+    # The minus sign that spreadsheets write in Swedish and other languages.
+    if MINUS in content:
+        content = MINUS_OF_NUMBER.sub(b"-", content)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     # The serial monitor of Arduino writes an arrow between stamp and text.

@@ -86,10 +86,11 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
     lines = [cells for cells in lines if any(kind_of(cell, comma=dialect.comma) == "number" for cell in cells)]
     for column in (k for k, kind in enumerate(commonest) if kind == "text"):
         filled = [cells[column] for cells in lines if cells[column]]
-        odd = [cell for cell in filled if NUMERIC.fullmatch(cell)]
-        if 2 * len(odd) > len(filled):
+        digits = [cell for cell in filled if NUMERIC.fullmatch(cell)]
+        odd = next((cell for cell in digits if kind_of(cell, comma=dialect.comma) != "number"), None)
+        if odd is not None and 2 * len(digits) > len(filled):
             raise RecordError(
-                f"cells such as {shortened(odd[0])} are not numbers, where decimals follow a "
+                f"cells such as {shortened(odd)} are not numbers, where decimals follow a "
                 f"{'comma' if dialect.comma else 'point'} and cells are {dialect}; write numbers without a mark "
                 f"between the thousands"
             )

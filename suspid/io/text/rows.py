@@ -82,6 +82,11 @@ class Rows:
             return None
         return loaded_piece(piece, count, use, self.layout, size=len(self.body))
 
+    def top(self) -> dict[str, str]:
+        """Return the cells of the first line by the names of their columns."""
+        line = self.body[: self.body.find(b"\n")].decode()
+        return dict(zip(self.layout.names, self.layout.dialect.cells(line), strict=False))
+
     def cells(self, name: str) -> Iterator[str]:
         """Yield the cells of a column."""
         k, dialect = self.layout.names.index(name), self.layout.dialect
