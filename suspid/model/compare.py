@@ -49,12 +49,12 @@ def compare(
         another or of a suspension.
     rtol : float or mapping, optional
         Allowed error; of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value,
-        below 1 [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken relative to
-        the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1 (critical
-        damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default: the 95 %
-        interval of each difference, from the covariance of the results that carry one (of both, as if independent,
-        when both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated values one is
-        expected to fall outside.
+        below 1 [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken
+        relative to the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1
+        (critical damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default:
+        the 95 % interval of each difference, from the covariance of the results that carry one (of both, as if
+        independent, when both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated
+        values one is expected to fall outside.
     sigmas : float, optional
         Width of these intervals [standard deviations]. Default: 1.96, which is 95 %.
 
