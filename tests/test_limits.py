@@ -70,8 +70,7 @@ class TestIntervals:
 
     def test_the_table_fits_a_terminal(self, found: Reconstruction) -> None:
         limits = limits_from_toml(
-            "[modes.1]\nwn = { min = 7.0, max = 17.5 }\n"
-            "[struts.chassis]\nstiffness = { min = 10, max = 30, unit = 'N/mm' }\n"
+            "[struts.chassis]\nstiffness = { min = 10000.5, max = 30000.25 }\n"
             f"damping = {{ min = {sum(found.interval(0.95)['chassis.damping']) / 2:.2f} }}\n"
         )
         lines = str(check_limits(found, limits)).splitlines()
