@@ -248,7 +248,10 @@ def test_long_names_and_reasons_fit_a_terminal() -> None:
     found = identify(as_record(noisy, timepts=t, channels=["Linear Acceleration of the body (m/s^2)"]))
     text = str(found)
     assert "amplitude in Linear" in text
-    assert [line for line in text.splitlines() if "  " in line.strip() and len(line) > TERMINAL] == []
+    names = tuple(f"Linear Acceleration {axis} (m/s^2)" for axis in "xyz")
+    raw = (RawChannel(name=name, unit="m/s^2", timepts=t, values=noisy, rate=100.055) for name in names)
+    for said in (text, str(Recording(title="phone", channels=tuple(raw)))):
+        assert [line for line in said.splitlines() if "  " in line.strip() and len(line) > TERMINAL] == []
     assert found.considered
     assert all(one.reason in " ".join(text.split()) for one in found.considered[:1])
 
