@@ -1,4 +1,4 @@
-"""Check the built manual: every link inside it leads to a page and an anchor that are there.
+"""Check the built manual: every link inside it leads to a page and an anchor that are there, options have two hyphens.
 
 Links to other sites are tried by `.ci/manual links`.
 """
@@ -14,6 +14,8 @@ from urllib.parse import unquote
 
 LINK = re.compile(r'<a\s[^>]*?href="([^"]*)"|<img\s[^>]*?src="([^"]*)"')
 ANCHOR = re.compile(r'\s(?:id|name)="([^"]+)"')
+# What a dash in place of two hyphens makes of an option.
+DASHED = re.compile(r"(?<!\w)[–—][a-z][a-z-]+")
 ELSEWHERE = re.compile(r"(?:https?|mailto|data):")
 
 
@@ -41,6 +43,7 @@ def broken(page: Path) -> list[str]:
 if __name__ == "__main__":
     pages = sorted(Path(sys.argv[1]).rglob("*.html"))
     wrong = [link for page in pages for link in broken(page)]
+    wrong += [f"{page}: {one}" for page in pages for one in DASHED.findall(page.read_text(encoding="utf-8"))]
     print(*wrong, sep="\n")
-    print(f"{len(pages)} pages, {len(wrong)} broken links")
+    print(f"{len(pages)} pages, {len(wrong)} broken links or options")
     sys.exit(bool(wrong) or not pages)

@@ -55,6 +55,8 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 myst_enable_extensions = ["dollarmath"]
+# Two hyphens stay what they are: options begin with them.
+smartquotes_action = "qe"
 # Objects of other libraries are linked where the links are tried: `.ci/manual links`.
 intersphinx_mapping: dict[str, tuple[str, None]] = {}
 if os.environ.get("SUSPID_LINKS"):

@@ -31,6 +31,9 @@ CERTAIN = 5.0
 PIECES_OF_RECORD = 20
 # Bounds of parameters that are looked at together, the nearest ones: a full car has four mounts; each doubles the time.
 MOST_BOUNDS = 8
+# Relative difference of two sampling rates up to which they are equal: the crystals of loggers are no better, and poles
+# are shifted by as much. A smaller one has records of one logger resampled.
+EQUAL_RATE = 1e-5
 # Gain of chi-square, or of twice the log likelihood, that ends a descent: a hundredth of a standard deviation.
 NEGLIGIBLE_GAIN = 1e-4
 

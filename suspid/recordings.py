@@ -243,7 +243,8 @@ class Recording(Result):
                 "samples": [str(channel.values.size) for channel in self.channels],
                 "length [s]": [f"{channel.duration:.6g}" for channel in self.channels],
                 "gaps": [str(holes + channel.missing) for channel, (_, holes) in zip(self.channels, read, strict=True)],
-            }
+            },
+            widest=TERMINAL,
         )
         names, reasons = [name for name, _ in self.left_out], [str(reason) for _, reason in self.left_out]
         if names:

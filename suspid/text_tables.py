@@ -42,7 +42,7 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
     sides = ["left" if name in words else "right" for name in columns]
     whole: str = tabulate(columns, headers="keys", disable_numparse=True, stralign="right", colalign=sides)
     whole = "\n".join(map(str.rstrip, whole.split("\n"))) if words else whole
-    if widest is None or len(whole.partition("\n")[0]) <= widest:
+    if widest is None or max(map(len, whole.split("\n"))) <= widest:
         return whole
     cells = list(columns.values())
     # Headings are cut no further than one part needs; where several are needed names stay whole.

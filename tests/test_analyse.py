@@ -173,6 +173,18 @@ class TestSettings:
         assert as_signal(found.record).channels == ("seat", "wheel")
         assert np.array_equal(as_signal(found.record).values[0], -2.0 * as_signal(record).values[0])
 
+    def test_a_channel_is_chosen_by_its_name_before(self, tmp_path: Path) -> None:
+        path = tmp_path / "decay.csv"
+        record = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+        write_record(record, path)
+        for source in (path, record):
+            with pytest.raises(RecordError, match="chosen before they are renamed: choose 'tire' instead of 'wheel'"):
+                analyse(source, settings=Settings(channels=("seat", "wheel"), rename={"tire": "wheel"}))
+            found = analyse(
+                source, settings=Settings(channels=("seat", "tire"), rename={"tire": "seat", "seat": "tire"})
+            )
+            assert as_signal(found.record).channels == ("tire", "seat")
+
     def test_a_channel_that_stood_still_may_be_renamed(self, tmp_path: Path) -> None:
         """The same names serve a rig and a release beside it, whose road does not move."""
         path = tmp_path / "release.csv"

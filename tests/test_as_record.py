@@ -488,6 +488,24 @@ def test_milliseconds_without_a_name_are_warned_of() -> None:
         assert said[0].filename == __file__
 
 
+def test_minutes_without_a_name_are_warned_of() -> None:
+    """At 2400 Hz and more such a table may be meant in seconds, so it is taken."""
+    minutes = TIME / 60 / 12
+    for table in (
+        pd.DataFrame({"time": minutes, "seat": VALUES[0]}),
+        pd.DataFrame({"seat": VALUES[0]}, index=minutes),
+        pd.Series(VALUES[0], index=pd.Index(minutes, name="time")),
+    ):
+        with pytest.warns(RecordWarning, match=r"taken as s: .* or 'time \[min\]' if it is in minutes") as said:
+            as_record(table)
+        assert said[0].filename == __file__
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            as_record(
+                table.rename_axis("time [min]") if "time" not in table else table.rename(columns={"time": "t [s]"})
+            )
+
+
 def test_a_pair_is_one_record_where_several_are_taken() -> None:
     assert records_of((TIME, VALUES)) == [(TIME, VALUES)]
     with pytest.raises(SuspidError, match="no channel of the record measures the suspension: 'y"):

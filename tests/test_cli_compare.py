@@ -28,6 +28,7 @@ from suspid.cli.main import main
 from suspid.identification import modes_to_dict, to_json
 from suspid.reconstruction import parameters_from_dict, reconstruction_to_dict
 from suspid.reporting import estimate_to_dict, json_schema
+from suspid.text_tables import TERMINAL
 
 NEW = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300)
 
@@ -179,6 +180,12 @@ def test_modes(files: Path, tmp_path: Path) -> None:
     by_hand.write_text(to_json(modes_to_dict(ModalSet.from_wn_zeta([8.0], [0.3]))), encoding="utf-8")
     assert "new" in run("compare", by_hand, files / "new_modes.json").output
     assert "gone" in run("compare", files / "new_modes.json", by_hand).output
+    measured = tmp_path / "measured.json"
+    modes = ModalSet.from_wn_zeta([14.261931], [0.0030972717], wn_std=[0.018], zeta_std=[7e-4])
+    measured.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
+    table = run("compare", measured, measured).output.splitlines()[1:5]
+    assert table[0].endswith("changed")
+    assert max(map(len, table)) <= TERMINAL
     same = run("compare", files / "new_modes.json", files / "new_modes.json").output
     assert same.startswith("no value changed")
     assert not re.search("pass|fail|expected|found", same)

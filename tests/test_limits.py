@@ -25,6 +25,7 @@ from suspid import (
 from suspid.analysis.limits import limits_from_toml
 from suspid.cli import main
 from suspid.reporting.limit_rows import limit_rows
+from suspid.text_tables import TERMINAL
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.limits import LimitReason
 
@@ -66,6 +67,15 @@ class TestIntervals:
         assert row.why is not None
         assert row.why.numbers["tests"] == 5
         assert "about 5 such tests" in str(row.why)
+
+    def test_the_table_fits_a_terminal(self, found: Reconstruction) -> None:
+        limits = limits_from_toml(
+            "[struts.chassis]\nstiffness = { min = 10000.5, max = 30000.25 }\n"
+            f"damping = {{ min = {sum(found.interval(0.95)['chassis.damping']) / 2:.2f} }}\n"
+        )
+        lines = str(check_limits(found, limits)).splitlines()
+        assert any(line.endswith("cannot tell") for line in lines)
+        assert max(len(line) for line in lines if "  " in line.strip()) <= TERMINAL
 
     def test_each_state_has_its_own_mark_on_the_page(self, found: Reconstruction) -> None:
         low, high = found.interval(0.95)["chassis.damping"]

@@ -36,7 +36,7 @@ from suspid import (
     simulate,
 )
 from suspid.reporting import PAGE
-from suspid.reporting.axes import entitle
+from suspid.reporting.axes import entitle, label_within
 from suspid.results import NOTEBOOK
 from validation import cars
 
@@ -89,6 +89,18 @@ class TestTitles:
         key = grid[1, 1].get_legend()
         assert key is not None
         assert not key.get_window_extent().overlaps(right.get_window_extent())
+
+
+class TestLabels:
+    def test_those_of_neighbours_stay_below_their_own_axes(self) -> None:
+        figure = Figure(figsize=PHONE, layout="constrained")
+        grid = figure.subplots(1, 2)
+        for ax, name in zip(grid, "xy", strict=True):
+            label_within(ax, f"amplitude in Acceleration {name} …")
+            ax.set_ylabel("damping ratio [1]")
+        left, right = (box(ax.xaxis.label, ax) for ax in grid)
+        assert not left.overlaps(right)
+        assert right.x1 <= figure.bbox.width
 
 
 class TestScalogram:

@@ -191,7 +191,7 @@ class TestSeveralRecords:
     def test_another_rate_is_no_repeat(self) -> None:
         first = record(decays()[:1], std=1e-4, seed=5)
         second = as_response(1.001 * np.asarray(first.time), np.asarray(first.y), MASSES)
-        with pytest.raises(InputError, match=r"record 2 is sampled at 249.75 Hz, record 1 at 250 Hz"):
+        with pytest.raises(InputError, match=r"record 2 is sampled at 249.7502 Hz, record 1 at 250 Hz"):
             identify_repeats([first, second])
 
     def test_stretches_belong_to_one_recording(self) -> None:

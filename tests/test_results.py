@@ -235,6 +235,27 @@ def test_text_fits_a_screen(results: dict[str, Any]) -> None:
         assert not wide, (name, wide)
 
 
+def test_long_names_and_reasons_fit_a_terminal() -> None:
+    """Friction: the frequency of the mode depends on its amplitude, and its overtones are rejected."""
+    t = np.arange(0, 12, 0.02)
+    swing, speed, rows = 1.0, 0.0, []
+    for _ in t:
+        rows.append(swing)
+        for _ in range(20):
+            speed -= 1e-3 * (22.0 * swing + 2.0 * speed * abs(speed) / 10 + 3.0 * swing**3)
+            swing += 1e-3 * speed
+    noisy = np.array(rows) + 1e-3 * np.random.default_rng(2).standard_normal(t.size)
+    found = identify(as_record(noisy, timepts=t, channels=["Linear Acceleration of the body (m/s^2)"]))
+    text = str(found)
+    assert "amplitude in Linear" in text
+    names = tuple(f"Linear Acceleration {axis} (m/s^2)" for axis in "xyz")
+    raw = (RawChannel(name=name, unit="m/s^2", timepts=t, values=noisy, rate=100.055) for name in names)
+    for said in (text, str(Recording(title="phone", channels=tuple(raw)))):
+        assert [line for line in said.splitlines() if "  " in line.strip() and len(line) > TERMINAL] == []
+    assert found.considered
+    assert all(one.reason in " ".join(text.split()) for one in found.considered[:1])
+
+
 def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
     found = results["identification"]
     table = found.to_pandas()

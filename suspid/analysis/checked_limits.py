@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from suspid.analysis.limits import Limit
 from suspid.results import Result
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.units import Ratio
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.limits import LimitHeadline, LimitState
@@ -143,7 +143,8 @@ class CheckedLimits(Result):
                 "found": ["" if math.isnan(row.value) else f"{row.value / row.limit.scale:.5g}" for row in self.rows],
                 f"{100 * self.level:g} % interval": [_interval(row) for row in self.rows],
                 "": [str(row.state) for row in self.rows],
-            }
+            },
+            widest=TERMINAL,
         )
         why = [f"{row.limit.name}: {row.why}" for row in self.rows if row.why is not None]
         return "\n".join([f"{self.verdict.headline}", table, *why])

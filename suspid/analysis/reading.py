@@ -130,6 +130,10 @@ def _asked(settings: Settings) -> tuple[str, ...] | None:
     """Return the channels that are asked for, with the axes that a vertical is made of; None for all."""
     if settings.channels is None:
         return None
+    for before, name in dict(settings.rename).items():
+        # A channel that is renamed is one of those that are chosen.
+        if name in settings.channels and before not in settings.channels:
+            raise RecordError(f"channels are chosen before they are renamed: choose {before!r} instead of {name!r}")
     return (*settings.channels, *(axis for axis in settings.vertical or () if axis not in settings.channels))
 
 

@@ -13,6 +13,7 @@ from suspid.cleaning import ONE_RATE, halving_error, interpolate
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.identification import Repeats
+from suspid.levels import EQUAL_RATE
 from suspid.recordings import Recording
 from suspid.records import like
 from suspid.signals import as_signal
@@ -23,9 +24,6 @@ from suspid.words import Check, Level, Note, Number, RecordCheck, Remark
 
 if TYPE_CHECKING:
     import control
-
-# Rates that differ relatively by less are the same: the poles are shifted by as much.
-EQUAL_RATE = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from suspid.cli.quantities import Positive
 from suspid.cli.streams import FILE, FOUND, JSON_FILE
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
-from suspid.text_tables import text_table
+from suspid.text_tables import TERMINAL, text_table
 from suspid.toml import parsed_toml
 from suspid.values import listed
 from suspid.words import count
@@ -223,10 +223,10 @@ def changes_in_words(found: Comparison) -> str:
     >>> before, after = ModalSet.from_wn_zeta([10.0], [0.6]), ModalSet.from_wn_zeta([10.0], [0.8])
     >>> print(changes_in_words(compare(after, before, rtol=0.01)))
     1 of 2 values changed (no change: within 0.01 relative)
-              quantity    before    after    change    by chance up to    changed
-    ------  ----------  --------  -------  --------  -----------------  ---------
-    mode 1  wn [rad/s]        10       10        +0                0.1         no
-    mode 1    zeta [1]       0.6      0.8      +0.2              0.006        yes
+              quantity    before    after    change    by chance ±    changed
+    ------  ----------  --------  -------  --------  -------------  ---------
+    mode 1  wn [rad/s]        10       10        +0            0.1         no
+    mode 1    zeta [1]       0.6      0.8      +0.2          0.006        yes
     """
     said = {"ok": "no", "off": "yes", "missing": "gone", "extra": "new"}
     rows = found.table
@@ -237,11 +237,14 @@ def changes_in_words(found: Comparison) -> str:
         "before": ["" if row.expected is None else f"{row.expected:.8g}" for row in rows],
         "after": ["" if row.found is None else f"{row.found:.8g}" for row in rows],
         "change": ["" if row.error is None else f"{row.error:+.2g}" for row in rows],
-        "by chance up to": ["" if row.error is None else f"{row.allowed:.2g}" for row in rows],
+        "by chance ±": ["" if row.error is None else f"{row.allowed:.2g}" for row in rows],
         "changed": [said[row.verdict] for row in rows],
     }
     changed = f"{number} of {count(len(rows), 'value')} changed" if number else "no value changed"
-    parts = [f"{changed} (no change: within {found.rule.removeprefix('allowed: ')})", text_table(columns)]
+    parts = [
+        f"{changed} (no change: within {found.rule.removeprefix('allowed: ')})",
+        text_table(columns, widest=TERMINAL),
+    ]
     if found.mac is not None:
         parts.append(f"MAC of each mode before with its partner after: {', '.join(f'{m:.6f}' for m in found.mac)}")
     return "\n".join(parts)

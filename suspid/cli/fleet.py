@@ -48,7 +48,7 @@ OF_DECAYS = ("which", "modes", "method", "band")
 @click.option("--drives", is_flag=True, help="Each record is a drive, as for `suspid drive`.")
 @click.option("--workers", type=Whole(1), help="Processes on this machine. [one per core]")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler instead, such as HOST:8786.")
-@click.option("--car", type=CAR, metavar="CAR", help="Car (.toml): find springs and dampers as well.")
+@click.option("--car", type=CAR, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
 @wanting
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")

@@ -20,6 +20,7 @@ from suspid.identification.joint_fit import agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.repeats import Repeats
 from suspid.identification.selection import select
+from suspid.levels import EQUAL_RATE
 from suspid.records import cut
 from suspid.samples import held
 from suspid.signals import Stretch, as_signal
@@ -171,10 +172,9 @@ def _check_alike(parts: Sequence[tuple[str, control.TimeResponseData]]) -> None:
                 f"{name} has the channels {', '.join(signal.channels)}, {first} has {', '.join(signals[0].channels)}; "
                 f"choose the same channels, in the same order, from each"
             )
-        # A larger relative difference of the steps would shift every pole by as much.
-        if abs(signal.step - signals[0].step) > 1e-6 * signals[0].step:
+        if abs(signal.step - signals[0].step) > EQUAL_RATE * signals[0].step:
             raise InputError(
-                f"{name} is sampled at {1 / signal.step:.6g} Hz, {first} at {1 / signals[0].step:.6g} Hz; repeats "
+                f"{name} is sampled at {1 / signal.step:.7g} Hz, {first} at {1 / signals[0].step:.7g} Hz; repeats "
                 f"are joined at one rate only: identify them separately and compare"
             )
 

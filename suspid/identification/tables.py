@@ -10,7 +10,7 @@ from suspid.files import printable
 from suspid.identification.nonlinear import AmplitudeDependence
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.text_tables import TERMINAL, text_table
+from suspid.text_tables import COLUMN_GAP, TERMINAL, sentence_table, text_table
 from suspid.wavelets import Ridge
 from suspid.wording import WayOut
 
@@ -40,7 +40,7 @@ def tables_of(found: Identification) -> str:
     else:
         parts.append("no mode")
     varying = [(mode, each) for mode, each in enumerate(found.amplitude_dependence, 1) if each.varies]
-    parts += [text_table(_amplitude_columns(mode, each)) for mode, each in varying]
+    parts += [text_table(_amplitude_columns(mode, each), widest=TERMINAL) for mode, each in varying]
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
     names = as_signal(held(found, "response")).channels
@@ -59,10 +59,11 @@ def tables_of(found: Identification) -> str:
         others = {
             "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
             "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
-            "why": [c.reason for c in shown],
         }
+        width = TERMINAL - len(text_table(others).partition("\n")[0]) - COLUMN_GAP
+        table = sentence_table(others, "why", [[c.reason] for c in shown], width)
         more = len(found.considered) - len(shown)
-        parts.append(text_table(others) + (f"\n… and {more} more{WHERE_ALL_ARE}" if more else ""))
+        parts.append(table + (f"\n… and {more} more{WHERE_ALL_ARE}" if more else ""))
     return "\n\n".join(parts)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
-from suspid.errors import RecordError
+from suspid.errors import RecordError, RecordWarning
 from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
 from suspid.io.tables import Table
 from suspid.units import RealArray
@@ -23,6 +25,8 @@ SLOWEST_STEP = 0.5
 FASTEST_STEP, SHORT_RECORD = 1.5e-5, 1.0
 # Shorter steps [s] in such a record, without a unit, are those of minutes at 33 Hz and more as well.
 MINUTE_STEP = 5e-4
+# Calls from the line that has a table to the column of its time: a warning shows that line.
+CALLS_TO_HERE = 7
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
 # steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
@@ -62,6 +66,14 @@ def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
         raise RecordError(
             f"the unit of {name!r} is not stated, and steps of {step:.4g} s are too slow for a suspension; call it "
             f"'{name} [{finer}]', or '{name} [s]' if they are meant"
+        )
+    if not unit and said is not None and said.code is LeftOut.SHORT_SECONDS:
+        length, rate = said.numbers["length"], said.numbers["rate"]
+        warnings.warn(
+            f"the unit of {name!r} is not stated; taken as s: {length:.2g} s at {rate:.6g} Hz; call it '{name} [s]', "
+            f"or '{name} [min]' if it is in minutes",
+            RecordWarning,
+            stacklevel=CALLS_TO_HERE,
         )
     unit = unit or epoch_unit(stamps)
     return np.asarray(stamps / PER_SECOND[unit])

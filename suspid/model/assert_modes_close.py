@@ -6,7 +6,7 @@ from typing import Protocol
 
 from suspid.arguments import explained
 from suspid.errors import InputError
-from suspid.model.compare import compare
+from suspid.model.compare import check_rtol, compare
 from suspid.model.eigenmodes import eigenmodes
 from suspid.model.modes import ModalSet
 from suspid.model.suspension import Suspension
@@ -84,8 +84,7 @@ def assert_modes_close(
     """
     __tracebackhide__ = True
     for name, value in (("rtol_wn", rtol_wn), ("rtol_zeta", rtol_zeta)):
-        if value is not None and value >= 1:
-            raise InputError(f"{name}={value:g} allows an error of {value:.0%}: it is a ratio, 1 % is 0.01")
+        check_rtol(name, value)
     rtol = {name: value for name, value in (("wn", rtol_wn), ("zeta", rtol_zeta)) if value is not None}
     comparison = compare(_modes_of("found", found), _modes_of("expected", expected), rtol=rtol or None, sigmas=sigmas)
     if not comparison.table:

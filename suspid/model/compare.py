@@ -48,13 +48,13 @@ def compare(
         a reconstruction or estimate, the springs, dampers and masses that were found are compared, with those of
         another or of a suspension.
     rtol : float or mapping, optional
-        Allowed error; of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value
-        [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken relative to
-        the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1 (critical
-        damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default: the 95 %
-        interval of each difference, from the covariance of the results that carry one (of both, as if independent,
-        when both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated values one is
-        expected to fall outside.
+        Allowed error; of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value,
+        below 1 [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken
+        relative to the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1
+        (critical damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default:
+        the 95 % interval of each difference, from the covariance of the results that carry one (of both, as if
+        independent, when both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated
+        values one is expected to fall outside.
     sigmas : float, optional
         Width of these intervals [standard deviations]. Default: 1.96, which is 95 %.
 
@@ -91,13 +91,13 @@ def compare(
     if isinstance(found, Suspension) and isinstance(expected, Suspension):
         if isinstance(rtol, Mapping) or sigmas is not None:
             raise InputError("rtol by quantity and sigmas are for modes; two suspensions take one rtol")
-        _check_rtol(rtol)
+        check_rtol("rtol", rtol)
         return _compare_suspensions(found, expected, rtol)
     sides = [_parameters(one) for one in (found, expected)]
     if sides[0] is not None and sides[1] is not None:
         if isinstance(rtol, Mapping):
             raise InputError("rtol by quantity is for modes; springs and dampers take one rtol")
-        _check_rtol(rtol)
+        check_rtol("rtol", rtol)
         known = any(side is not None and side.stds is not None for side in sides)
         width = _checked_sigmas(sigmas, known=known)
         rule = _rule_in_words(rtol, width if known else None)
@@ -122,21 +122,31 @@ def _parameters(one: object) -> FoundParameters | None:
     return None
 
 
-def _check_rtol(rtol: Ratio | None) -> None:
-    if rtol is not None and not (np.isfinite(rtol) and rtol >= 0):
-        raise InputError(f"{rtol=} must be a finite number >= 0, relative to each expected value")
-    if rtol is not None and rtol > 1:
-        raise InputError(f"{rtol=} allows {rtol:.0%} of each value: give a ratio below 1, such as 0.02 for 2 %")
+def check_rtol(name: str, value: Ratio | None) -> None:
+    """Refuse an allowed relative error that is no ratio; one of 100 % and more would pass values of the wrong sign.
+
+    Examples
+    --------
+    >>> check_rtol("rtol", 2)
+    Traceback (most recent call last):
+    suspid.errors.InputError: rtol=2 allows an error of 200%: it is a ratio below 1, 1 % is 0.01
+    """
+    if value is not None and not (np.isfinite(value) and value >= 0):
+        raise InputError(f"{name}={value} must be a finite number >= 0, relative to each expected value")
+    if value is not None and value >= 1:
+        raise InputError(f"{name}={value:g} allows an error of {value:.0%}: it is a ratio below 1, 1 % is 0.01")
 
 
 def _by_quantity(rtol: Ratio | Mapping[str, Ratio] | None) -> dict[str, Ratio]:
     """Return the relative errors that are allowed by quantity; those that have none are left out."""
-    given = dict(rtol) if isinstance(rtol, Mapping) else {} if rtol is None else dict.fromkeys(WN_ZETA, rtol)
-    for name, value in given.items():
+    if not isinstance(rtol, Mapping):
+        check_rtol("rtol", rtol)
+        return {} if rtol is None else dict.fromkeys(WN_ZETA, rtol)
+    for name, value in rtol.items():
         if name not in WN_ZETA:
             raise InputError(f"rtol[{name!r}]: modes have {' and '.join(WN_ZETA)}")
-        _check_rtol(value)
-    return given
+        check_rtol(f"rtol[{name!r}]", value)
+    return dict(rtol)
 
 
 def _checked_sigmas(sigmas: float | None, *, known: bool) -> float:

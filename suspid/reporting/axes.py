@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 # Pieces of a long line for each inch of the figure's width, each drawn by its two extremes: about one for each pixel
 # of a screen. Fewer show steps; more make the file larger.
@@ -51,9 +52,19 @@ def entitle(ax: Axes, title: str) -> None:
         return
     # Beside Axes to the right there is room up to these.
     room = 0.9 * ax.figure.bbox.width * len(spec.colspan) / grid.ncols
-    width = text.get_window_extent().width
+    _break(text, room)
+
+
+def label_within(ax: Axes, label: str) -> None:
+    """Put a label below some Axes; one that is wider than these is broken, as labels beside it may be as wide."""
+    _break(ax.set_xlabel(label), LAID_OUT * ax.get_window_extent().width)
+
+
+def _break(text: Text, room: float) -> None:
+    """Break a text between words into lines that are no wider than the room [dots]."""
+    width, words = text.get_window_extent().width, text.get_text()
     if width > room:
-        text.set_text("\n".join(wrap(title, max(1, int(len(title) * room / width)))))
+        text.set_text("\n".join(wrap(words, max(1, int(len(words) * room / width)), break_long_words=False)))
 
 
 def pieces_across(ax: Axes) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.arguments import explained
 from suspid.identification import AmplitudeDependence, Identification
 from suspid.levels import NORMAL_95
-from suspid.reporting.axes import checked_grid, in_legend
+from suspid.reporting.axes import checked_grid, in_legend, label_within
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
 from suspid.units import RealArray
@@ -70,9 +70,8 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
             )
             grid[1, mode].plot(each.amplitude, witness[1], "o", color=Colour.VERMILION, fillstyle="none", markersize=5)
         grid[0, mode].set(title=f"mode {mode + 1}", ylabel="frequency [Hz]" if mode == 0 else "")
-        grid[1, mode].set(
-            xlabel=f"amplitude in {in_legend(each.channel)}", ylabel="damping ratio [1]" if mode == 0 else ""
-        )
+        grid[1, mode].set(ylabel="damping ratio [1]" if mode == 0 else "")
+        label_within(grid[1, mode], f"amplitude in {in_legend(each.channel)}")
         for ax in grid[:, mode]:
             ax.axvline(each.holds_at, color=Colour.VERMILION, linewidth=0.8, linestyle="--")
 
