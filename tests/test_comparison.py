@@ -150,6 +150,16 @@ class TestLimits:
         assert compare(car(tire_damping=1.4), car(), rtol=1e-3).passed
         assert not compare(car(tire_damping=1.6), car(), rtol=1e-3).passed
 
+    @pytest.mark.parametrize("split", [[6e-7j], [-1e-6, 1e-6]])
+    def test_a_double_pole_at_zero_that_rounding_splits_is_one(self, split: list[complex]) -> None:
+        """A free mass has it; of its split the square is rounding, so that the parts are 1e-8 of the largest pole."""
+        expected = ModalSet(poles=np.array([0.0, 0.0, -1 + 50j]))
+        found = ModalSet(poles=np.array([*split, -1 + 50j]))
+        assert compare(found, expected, rtol=1e-6), compare(found, expected, rtol=1e-6)
+        assert not compare(found, expected)
+        assert not compare(found[1:], expected, rtol=1e-6)
+        assert not compare(found, expected[1:], rtol=1e-9)
+
     def test_rounding_of_undamped_modes_passes(self) -> None:
         expected = ModalSet(poles=np.array([1e-16 + 10j, -3e-17 + 50j]))
         assert compare(ModalSet(poles=np.array([10j, 50j])), expected).passed
