@@ -42,7 +42,7 @@ from suspid import (
 from suspid.analysis import analyse
 from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
-from suspid.identification import identify_repeats, verdict_of
+from suspid.identification import identification_to_dict, identify_repeats, to_json, verdict_of
 from suspid.identification.modes_json import read_modes
 from suspid.records import as_response
 from suspid.reporting import Source, content_of, json_schema, report, report_to_dict, source_of
@@ -628,6 +628,16 @@ class TestLongRecords:
 
     def test_a_short_record_keeps_its_own(self, found: Identification) -> None:
         assert drawable(found) is found
+
+    def test_ridges_of_a_short_record_are_those_of_identify(self) -> None:
+        """The default candidates, whose best lies between the few of long records."""
+        t = np.arange(0, 6, 0.01)
+        noise = 1e-3 * np.random.default_rng(0).normal(size=t.size)
+        found = identify(as_response(t, (np.exp(-0.4 * t) * np.cos(20 * t) + noise)[None], ["y"]), modes=1)
+        said: Any = report_to_dict(found)
+        plain = json.loads(to_json(identification_to_dict(found, file="", warnings=[])))
+        assert said["ridges"] == plain["ridges"]
+        assert said["wavelet"]["bandwidth"] == found.scalogram.wavelet.bandwidth
 
 
 class TestPictures:
