@@ -136,6 +136,15 @@ class TestLimits:
         wn = compare(a, b).table[0]
         assert wn.allowed == pytest.approx(1.959964 * 0.05, rel=1e-6)
 
+    def test_each_mode_is_judged_by_its_own_spread(self) -> None:
+        """Also where a mode that the other set lacks shifts the numbers: the spread goes with the mode."""
+        a = ModalSet.from_wn_zeta([10.0, 50.0], [0.1, 0.2], wn_std=[0.03, 0.5], zeta_std=[0.01, 0.03])
+        b = ModalSet.from_wn_zeta([50.0], [0.2], wn_std=[1.2], zeta_std=[0.04])
+        both = 1.959964 * np.array([1.3, 0.05])
+        for found, expected in ((a, b), (b, a)):
+            shared = [row.allowed for row in compare(found, expected).table if row.error is not None]
+            np.testing.assert_allclose(shared, both, rtol=1e-6, err_msg="five, twelve, thirteen; three, four, five")
+
     def test_exact_modes_must_agree_to_nine_digits(self) -> None:
         expected = ModalSet.from_wn_zeta([10.0], [0.1])
         assert compare(ModalSet.from_wn_zeta([10.0 * (1 + 5e-10)], [0.1]), expected).passed

@@ -228,7 +228,6 @@ class TestChanges:
         assert (change.high - change.low) / 2 == pytest.approx(1.96 * both, rel=1e-3)
         assert not found["chassis.stiffness"].significant
 
-
     def test_numbers_are_those_of_the_page(self, fresh: Estimate) -> None:
         """A spring of 1e6 N/m is written out, and an angle that is known to hundredths has its hundredths."""
         found = wear(fresh, before=fresh)
