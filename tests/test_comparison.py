@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,12 @@ class TestMeanAbsoluteError:
         assert c.mae["wn"] == pytest.approx(4.77e-3, abs=0.5e-5)
         assert c.mae["zeta"] == pytest.approx(5.53e-5, abs=0.5e-7)
 
+    def test_errors_of_both_signs_do_not_cancel(self) -> None:
+        """An error is found less expected; its mean is one of moduli."""
+        c = compare(ModalSet.from_wn_zeta([11.0, 49.0], [0.1, 0.1]), ModalSet.from_wn_zeta([10.0, 50.0], [0.1, 0.1]))
+        assert [row.error for row in c.table if row.quantity == "wn"] == pytest.approx([1.0, -1.0])
+        assert c.mae["wn"] == pytest.approx(1.0)
+
 
 class TestLimits:
     def test_just_inside_and_just_outside_rtol(self) -> None:
@@ -169,6 +176,18 @@ class TestLimits:
         assert not compare(found[1:], expected, rtol=1e-6)
         assert not compare(found, expected[1:], rtol=1e-9)
 
+    def test_dampers_of_an_undamped_car_are_judged_against_critical_damping(self) -> None:
+        """Two times the root of the stiffest spring, 200e3 N/m, and the largest mass, 400 kg: 17889 N s/m."""
+        undamped = car(chassis_damping=0.0)
+        assert compare(car(chassis_damping=17.8), undamped, rtol=1e-3)
+        assert not compare(car(chassis_damping=18.0), undamped, rtol=1e-3)
+
+    def test_modes_that_the_limit_reaches_are_paired(self) -> None:
+        """As far apart as 0.6 of the larger one."""
+        found, expected = (ModalSet.from_wn_zeta([wn], [0.1]) for wn in (10.0, 25.0))
+        assert compare(found, expected, rtol=0.7)
+        assert {row.verdict for row in compare(found, expected, rtol=0.4).table} == {"missing", "extra"}
+
     def test_rounding_of_undamped_modes_passes(self) -> None:
         expected = ModalSet(poles=np.array([1e-16 + 10j, -3e-17 + 50j]))
         assert compare(ModalSet(poles=np.array([10j, 50j])), expected).passed
@@ -200,6 +219,17 @@ class TestSuspensions:
             assert not c.passed
             assert "mount_stiffness [N/m]" in str(c)
 
+    def test_friction_and_curves_count(self) -> None:
+        """Forces of found and expected, each on its side, in both directions of motion."""
+        curve = [(-0.5, -400.0), (0.0, 0.0), (0.5, 800.0)]
+        first, tire = car().struts
+        bent = Suspension(masses=car().masses, struts=[replace(first, damping=0.0, curve=curve, friction=30.0), tire])
+        rows = [row for row in compare(bent, car(), rtol=0.05).table if row.quantity in ("friction", "force")]
+        # 1500 N s/m at half a metre a second.
+        assert [(row.found, row.expected) for row in rows] == [(30.0, 0.0), (-400.0, -750.0), (800.0, 750.0)]
+        assert [row.item for row in rows] == ["chassis", "chassis at -0.5 m/s", "chassis at 0.5 m/s"]
+        assert compare(bent, bent)
+
     def test_another_topology_is_refused_by_name(self) -> None:
         with_seat = quarter_car(
             seat_mass=80,
@@ -215,8 +245,6 @@ class TestSuspensions:
             compare(car(), with_seat)
 
     def test_other_arms_are_refused(self) -> None:
-        from dataclasses import replace
-
         first, second = car().struts
         other = Suspension(masses=car().masses, struts=[replace(first, arms={"chassis": 1.0, "tire": -1.2}), second])
         with pytest.raises(InputError, match="arms"):
