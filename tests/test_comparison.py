@@ -24,6 +24,7 @@ from suspid import (
     statespace,
 )
 from suspid.model.compare import compare
+from suspid.model.found_parameters import found_parameters
 from suspid.model.matching import modal_assurance
 
 
@@ -229,6 +230,19 @@ class TestSuspensions:
         assert [(row.found, row.expected) for row in rows] == [(30.0, 0.0), (-400.0, -750.0), (800.0, 750.0)]
         assert [row.item for row in rows] == ["chassis", "chassis at -0.5 m/s", "chassis at 0.5 m/s"]
         assert compare(bent, bent)
+
+    def test_what_a_reconstruction_allows_is_its_interval(self) -> None:
+        """Far from bounds it is symmetric, and as wide as the standard deviations at every level."""
+        modes = eigenmodes(car(tire_damping=100.0))
+        rough = ModalSet.from_wn_zeta(modes.wn, modes.zeta, wn_std=1e-4 * modes.wn, zeta_std=1e-3 * modes.zeta)
+        found = reconstruct(rough, car(tire_damping=100.0), fixed=["tire.damping"])
+        for sigmas, level in ((None, 0.95), (2.5758293, 0.99)):
+            half = {name: (high - low) / 2 for name, (low, high) in found.interval(level).items()}
+            rows = compare(found, car(tire_damping=100.0), sigmas=sigmas).table
+            shown = {f"{row.item}.{row.quantity}": row.allowed for row in rows}
+            assert shown == pytest.approx(half, rel=1e-6)
+            ends = found_parameters(found).interval(level)
+            assert {name: (high - low) / 2 for name, (low, high) in ends.items()} == pytest.approx(half, rel=1e-6)
 
     def test_another_topology_is_refused_by_name(self) -> None:
         with_seat = quarter_car(
