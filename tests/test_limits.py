@@ -91,6 +91,16 @@ class TestIntervals:
             ("met", "met"), ("not met", "missed"), ("cannot tell", "open"),
         ]  # fmt: skip
 
+    def test_the_page_has_the_unit_of_the_limit(self, found: Reconstruction) -> None:
+        """Value and half of the interval in N/mm are a thousandth of those in N/m."""
+        asked = [Limit(of="tire", quantity="stiffness", least=1.9e5, unit=unit) for unit in ("N/m", "N/mm")]
+        low, high = found.interval(0.95)["tire.stiffness"]
+        for row, scale in zip(limit_rows(check_limits(found, asked)), (1.0, 1e3), strict=True):
+            half = (high - low) / 2 / scale
+            assert float(row.value.reach) == pytest.approx(half, rel=0.05)
+            assert float(row.value.value) == pytest.approx((high + low) / 2 / scale, abs=0.05 * half)
+            assert row.asked == f"at least {1.9e5 / scale:.0f}"
+
     def test_what_was_held_or_does_not_explain_is_not_judged(self, found: Reconstruction) -> None:
         (held,) = check_limits(found, [Limit(of="tire", quantity="damping", least=-1.0)]).rows
         assert held.why is not None
