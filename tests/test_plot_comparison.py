@@ -69,6 +69,13 @@ def test_parameters_of_two_estimates() -> None:
     assert "chassis.damping" not in {row.name for row in _parameters(loose, found[1], 0.95)}
     low, high = drawn(figure, 0)[len(names) + names.index("chassis.damping")]
     assert low < 100 * (800 / 1300 - 1) < high
+    # An interval ends where the bound of an estimate does.
+    at = found[0].parameters.index("chassis.damping")
+    ranges = found[0].ranges.copy()
+    ranges[at, 1] = found[0].values[at] + 0.1 * found[0].std[at]
+    bound = replace(found[0], ranges=ranges)
+    (row,) = (row for row in _parameters(bound, bound, 0.95) if row.name == "chassis.damping")
+    assert row.before[2] == bound.interval(0.95)["chassis.damping"][1] == ranges[at, 1]
     with pytest.raises(InputError, match="not Estimate and ModalSet"):
         plot_comparison(found[0], found[1].modes, Figure())
 
