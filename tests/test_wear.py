@@ -228,6 +228,11 @@ class TestChanges:
         assert (change.high - change.low) / 2 == pytest.approx(1.96 * both, rel=1e-3)
         assert not found["chassis.stiffness"].significant
 
+    def test_the_rates_are_those_of_the_rule(self, fresh: Estimate) -> None:
+        """Small ones are not rounded to none."""
+        note = str(wear(fresh, before=fresh, rule=WearRule(rate=0.0125)).verdict.notes[-1])
+        assert "no more than 10% is called worn, and one that lost 30% or more good, in at most 1.25% of" in note
+
     def test_numbers_are_those_of_the_page(self, fresh: Estimate) -> None:
         """A spring of 1e6 N/m is written out, and an angle that is known to hundredths has its hundredths."""
         found = wear(fresh, before=fresh)
