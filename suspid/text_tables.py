@@ -157,15 +157,17 @@ def rounded(values: RealArray, stds: RealArray | None, scale: float = 1.0) -> li
     --------
     >>> rounded(np.array([0.61049, 8.2e-9, 5.0]), np.array([0.0123, 1.1e-8, np.nan]))
     ['0.610', '8e-09', '5']
+    >>> rounded(np.array([1e6, 799999.7]), None)
+    ['1000000', '800000']
     """
     if stds is None:
-        return [f"{v:.6g}" for v in values]
+        return [figures_of(v, 6) for v in values.tolist()]
     return [_rounded(float(v), float(s) * scale) for v, s in zip(values, stds, strict=True)]
 
 
 def _rounded(value: float, std: float) -> str:
     if not np.isfinite(std) or not np.isfinite(value):
-        return NOTHING if np.isnan(value) else f"{value:.6g}"
+        return figures_of(value, 6)
     places = 1 - int(np.floor(np.log10(std))) if std > 0 else 6
     largest = max(abs(value), std)
     if value and std > 0 and largest < SMALLEST_PLAIN:

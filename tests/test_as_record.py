@@ -506,6 +506,14 @@ def test_minutes_without_a_name_are_warned_of() -> None:
             )
 
 
+def test_seconds_that_a_column_states_are_believed() -> None:
+    """However slow the steps are; a bare number of them is warned of."""
+    slow = {"t [s]": 5.0 * np.arange(40), "level": np.cos(np.arange(40))}
+    assert as_record(pd.DataFrame(slow)).time[1] == 5.0
+    with pytest.warns(RecordWarning, match="steps of 5 s are too slow"):
+        as_record(tuple(slow.values()))
+
+
 def test_a_pair_is_one_record_where_several_are_taken() -> None:
     assert records_of((TIME, VALUES)) == [(TIME, VALUES)]
     with pytest.raises(SuspidError, match="no channel of the record measures the suspension: 'y"):

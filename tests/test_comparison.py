@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from suspid import (
     statespace,
 )
 from suspid.model.compare import compare
+from suspid.model.found_parameters import found_parameters
 from suspid.model.matching import modal_assurance
 
 
@@ -92,6 +94,12 @@ class TestMeanAbsoluteError:
         assert c.mae["wn"] == pytest.approx(4.77e-3, abs=0.5e-5)
         assert c.mae["zeta"] == pytest.approx(5.53e-5, abs=0.5e-7)
 
+    def test_errors_of_both_signs_do_not_cancel(self) -> None:
+        """An error is found less expected; its mean is one of moduli."""
+        c = compare(ModalSet.from_wn_zeta([11.0, 49.0], [0.1, 0.1]), ModalSet.from_wn_zeta([10.0, 50.0], [0.1, 0.1]))
+        assert [row.error for row in c.table if row.quantity == "wn"] == pytest.approx([1.0, -1.0])
+        assert c.mae["wn"] == pytest.approx(1.0)
+
 
 class TestLimits:
     def test_just_inside_and_just_outside_rtol(self) -> None:
@@ -136,6 +144,15 @@ class TestLimits:
         wn = compare(a, b).table[0]
         assert wn.allowed == pytest.approx(1.959964 * 0.05, rel=1e-6)
 
+    def test_each_mode_is_judged_by_its_own_spread(self) -> None:
+        """Also where a mode that the other set lacks shifts the numbers: the spread goes with the mode."""
+        a = ModalSet.from_wn_zeta([10.0, 50.0], [0.1, 0.2], wn_std=[0.03, 0.5], zeta_std=[0.01, 0.03])
+        b = ModalSet.from_wn_zeta([50.0], [0.2], wn_std=[1.2], zeta_std=[0.04])
+        both = 1.959964 * np.array([1.3, 0.05])
+        for found, expected in ((a, b), (b, a)):
+            shared = [row.allowed for row in compare(found, expected).table if row.error is not None]
+            np.testing.assert_allclose(shared, both, rtol=1e-6, err_msg="five, twelve, thirteen; three, four, five")
+
     def test_exact_modes_must_agree_to_nine_digits(self) -> None:
         expected = ModalSet.from_wn_zeta([10.0], [0.1])
         assert compare(ModalSet.from_wn_zeta([10.0 * (1 + 5e-10)], [0.1]), expected).passed
@@ -149,6 +166,28 @@ class TestLimits:
     def test_a_missing_damper_is_judged_against_the_strongest(self) -> None:
         assert compare(car(tire_damping=1.4), car(), rtol=1e-3).passed
         assert not compare(car(tire_damping=1.6), car(), rtol=1e-3).passed
+
+    @pytest.mark.parametrize("split", [[6e-7j], [-1e-6, 1e-6]])
+    def test_a_double_pole_at_zero_that_rounding_splits_is_one(self, split: list[complex]) -> None:
+        """A free mass has it; of its split the square is rounding, so that the parts are 1e-8 of the largest pole."""
+        expected = ModalSet(poles=np.array([0.0, 0.0, -1 + 50j]))
+        found = ModalSet(poles=np.array([*split, -1 + 50j]))
+        assert compare(found, expected, rtol=1e-6), compare(found, expected, rtol=1e-6)
+        assert not compare(found, expected)
+        assert not compare(found[1:], expected, rtol=1e-6)
+        assert not compare(found, expected[1:], rtol=1e-9)
+
+    def test_dampers_of_an_undamped_car_are_judged_against_critical_damping(self) -> None:
+        """Two times the root of the stiffest spring, 200e3 N/m, and the largest mass, 400 kg: 17889 N s/m."""
+        undamped = car(chassis_damping=0.0)
+        assert compare(car(chassis_damping=17.8), undamped, rtol=1e-3)
+        assert not compare(car(chassis_damping=18.0), undamped, rtol=1e-3)
+
+    def test_modes_that_the_limit_reaches_are_paired(self) -> None:
+        """As far apart as 0.6 of the larger one."""
+        found, expected = (ModalSet.from_wn_zeta([wn], [0.1]) for wn in (10.0, 25.0))
+        assert compare(found, expected, rtol=0.7)
+        assert {row.verdict for row in compare(found, expected, rtol=0.4).table} == {"missing", "extra"}
 
     def test_rounding_of_undamped_modes_passes(self) -> None:
         expected = ModalSet(poles=np.array([1e-16 + 10j, -3e-17 + 50j]))
@@ -181,6 +220,30 @@ class TestSuspensions:
             assert not c.passed
             assert "mount_stiffness [N/m]" in str(c)
 
+    def test_friction_and_curves_count(self) -> None:
+        """Forces of found and expected, each on its side, in both directions of motion."""
+        curve = [(-0.5, -400.0), (0.0, 0.0), (0.5, 800.0)]
+        first, tire = car().struts
+        bent = Suspension(masses=car().masses, struts=[replace(first, damping=0.0, curve=curve, friction=30.0), tire])
+        rows = [row for row in compare(bent, car(), rtol=0.05).table if row.quantity in ("friction", "force")]
+        # 1500 N s/m at half a metre a second.
+        assert [(row.found, row.expected) for row in rows] == [(30.0, 0.0), (-400.0, -750.0), (800.0, 750.0)]
+        assert [row.item for row in rows] == ["chassis", "chassis at -0.5 m/s", "chassis at 0.5 m/s"]
+        assert compare(bent, bent)
+
+    def test_what_a_reconstruction_allows_is_its_interval(self) -> None:
+        """Far from bounds it is symmetric, and as wide as the standard deviations at every level."""
+        modes = eigenmodes(car(tire_damping=100.0))
+        rough = ModalSet.from_wn_zeta(modes.wn, modes.zeta, wn_std=1e-4 * modes.wn, zeta_std=1e-3 * modes.zeta)
+        found = reconstruct(rough, car(tire_damping=100.0), fixed=["tire.damping"])
+        for sigmas, level in ((None, 0.95), (2.5758293, 0.99)):
+            half = {name: (high - low) / 2 for name, (low, high) in found.interval(level).items()}
+            rows = compare(found, car(tire_damping=100.0), sigmas=sigmas).table
+            shown = {f"{row.item}.{row.quantity}": row.allowed for row in rows}
+            assert shown == pytest.approx(half, rel=1e-6)
+            ends = found_parameters(found).interval(level)
+            assert {name: (high - low) / 2 for name, (low, high) in ends.items()} == pytest.approx(half, rel=1e-6)
+
     def test_another_topology_is_refused_by_name(self) -> None:
         with_seat = quarter_car(
             seat_mass=80,
@@ -196,8 +259,6 @@ class TestSuspensions:
             compare(car(), with_seat)
 
     def test_other_arms_are_refused(self) -> None:
-        from dataclasses import replace
-
         first, second = car().struts
         other = Suspension(masses=car().masses, struts=[replace(first, arms={"chassis": 1.0, "tire": -1.2}), second])
         with pytest.raises(InputError, match="arms"):

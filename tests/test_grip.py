@@ -33,6 +33,7 @@ from suspid.performance.reaches import reaches
 from suspid.performance.wear_checks import said_of_phase
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.sensitivity_part import sensitivities_of
+from suspid.reporting.wear_json import grip_to_dict
 from suspid.units import STANDARD_GRAVITY as GRAVITY
 from suspid.units import RealArray
 from suspid.words import Check, Level, Remark, Verdict
@@ -526,7 +527,16 @@ class TestOnAPage:
             (row.phase, "tire.phase", np.degrees(1)),
         ):
             ends = [float(end) for end in quantity.reach.split(" to ")]
-            assert ends == pytest.approx(scale * np.array(found.interval(0.9)[name]), rel=2e-2)
+            exact = scale * np.array(found.interval(0.9)[name])
+            # Two digits of half the interval; that of 95 % is a fifth wider.
+            assert ends == pytest.approx(exact, abs=0.05 * np.ptp(exact) / 2)
+
+    def test_the_json_has_the_ends_of_the_level(self) -> None:
+        found = grip(quarter(1300.0), nominal_std=0.05)
+        rows: Any = grip_to_dict(found, level=0.9)["wheels"]
+        for figure, unit in (("adhesion", ""), ("phase", "_rad")):
+            ends = tuple(rows[0][f"{figure}_{end}{unit}"] for end in ("lower", "upper"))
+            assert ends == found.interval(0.9)[f"tire.{figure}"]
 
 
 @pytest.mark.parametrize("mass", [499.4, 448.5, 371.3])

@@ -59,6 +59,20 @@ class TestIntervals:
         assert state(found, least=low - step, most=high + step) == "met"
         assert state(found, least=low + step, most=high + step) == "cannot tell"
 
+    def test_the_text_writes_out_what_decides(self, found: Reconstruction) -> None:
+        """Ends are told apart and have no exponent: in N/m, and within a millionth of the limit."""
+        checked = check_limits(found, [Limit(of="tire", quantity="stiffness", least=1.9e5)])
+        (row,) = checked.rows
+        close = replace(row, value=123456.7, lower=123456.6, upper=123456.8)
+        for one in (row, close):
+            line = next(text for text in str(replace(checked, rows=(one,))).splitlines() if "at least" in text)
+            value, low, _, high = line.partition("190000")[2].split()[:4]
+            assert "e" not in value + low + high
+            half = (one.upper - one.lower) / 2
+            shown = [float(text) for text in (value, low, high)]
+            # Two digits of half the interval are within 5 in 100 of it.
+            assert shown == pytest.approx([one.value, one.lower, one.upper], abs=0.05 * half + 0.5 * (half > 10))
+
     def test_so_many_tests_joined_would_tell(self, found: Reconstruction) -> None:
         low, high = found.interval(0.95)["chassis.damping"]
         value, reach = (low + high) / 2, (high - low) / 2
@@ -86,6 +100,16 @@ class TestIntervals:
         assert [(row.state, row.style) for row in rows] == [
             ("met", "met"), ("not met", "missed"), ("cannot tell", "open"),
         ]  # fmt: skip
+
+    def test_the_page_has_the_unit_of_the_limit(self, found: Reconstruction) -> None:
+        """Value and half of the interval in N/mm are a thousandth of those in N/m."""
+        asked = [Limit(of="tire", quantity="stiffness", least=1.9e5, unit=unit) for unit in ("N/m", "N/mm")]
+        low, high = found.interval(0.95)["tire.stiffness"]
+        for row, scale in zip(limit_rows(check_limits(found, asked)), (1.0, 1e3), strict=True):
+            half = (high - low) / 2 / scale
+            assert float(row.value.reach) == pytest.approx(half, rel=0.05)
+            assert float(row.value.value) == pytest.approx((high + low) / 2 / scale, abs=0.05 * half)
+            assert row.asked == f"at least {1.9e5 / scale:.0f}"
 
     def test_what_was_held_or_does_not_explain_is_not_judged(self, found: Reconstruction) -> None:
         (held,) = check_limits(found, [Limit(of="tire", quantity="damping", least=-1.0)]).rows

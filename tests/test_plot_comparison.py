@@ -34,6 +34,15 @@ def test_modes_with_the_intervals_of_both() -> None:
     assert damping[2] == pytest.approx((-100 / 3 - 6.533, -100 / 3 + 6.533), abs=1e-3)
 
 
+def test_modes_of_one_damping_ratio_keep_their_own_intervals() -> None:
+    alike = ModalSet.from_wn_zeta([10.0, 40.0], [0.3, 0.3], wn_std=[0.1, 1.0], zeta_std=[0.01, 0.05])
+    figure = Figure()
+    plot_comparison(alike, alike, figure)
+    widths = [high - low for low, high in drawn(figure, 1)]
+    # Twice 1.96 standard deviations, in percent of the value: of modes 1 and 2 before, then after.
+    assert widths == pytest.approx([13.07, 65.33] * 2, abs=0.01)
+
+
 def test_exact_modes_are_points_and_modes_without_a_partner_left_out() -> None:
     figure = Figure()
     plot_comparison(ModalSet.from_wn_zeta([10.0], [0.3]), NEW, figure)
@@ -60,6 +69,13 @@ def test_parameters_of_two_estimates() -> None:
     assert "chassis.damping" not in {row.name for row in _parameters(loose, found[1], 0.95)}
     low, high = drawn(figure, 0)[len(names) + names.index("chassis.damping")]
     assert low < 100 * (800 / 1300 - 1) < high
+    # An interval ends where the bound of an estimate does.
+    at = found[0].parameters.index("chassis.damping")
+    ranges = found[0].ranges.copy()
+    ranges[at, 1] = found[0].values[at] + 0.1 * found[0].std[at]
+    bound = replace(found[0], ranges=ranges)
+    (row,) = (row for row in _parameters(bound, bound, 0.95) if row.name == "chassis.damping")
+    assert row.before[2] == bound.interval(0.95)["chassis.damping"][1] == ranges[at, 1]
     with pytest.raises(InputError, match="not Estimate and ModalSet"):
         plot_comparison(found[0], found[1].modes, Figure())
 

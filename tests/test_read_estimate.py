@@ -50,6 +50,13 @@ class TestRoundTrip:
         content.pop("records")
         assert json.loads(to_json(again)) == content
 
+    @pytest.mark.parametrize("level", [0.3, 0.5, 0.99, 0.9999])
+    def test_intervals_and_significance_are_those_of_the_level(self, found: Estimate, level: float) -> None:
+        rows: Any = estimate_to_dict(found, level=level)["parameters"]
+        ends = json.loads(to_json({"ends": found.interval(level)}))["ends"]
+        assert {row["name"]: [row["lower"], row["upper"]] for row in rows} == ends
+        assert {row["name"] for row in rows if row["significant"]} == found.beyond_chance(level)
+
     def test_within_a_report(self, found: Estimate, content: dict[str, Any]) -> None:
         report = {"format": "suspid modes 1", "report": "suspid report 3"}
         assert estimate_from_dict({**report, "estimate": content}).suspension == found.suspension

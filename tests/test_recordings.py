@@ -182,6 +182,17 @@ class TestWhatAChannelSaysOfItself:
         nan = float("nan")
         assert channel([0, 0.5, 1, 5, 5.5, 6], [nan, nan, 1, 2, nan, 3]).gaps == 3
 
+    def test_length_is_between_the_earliest_and_the_latest_stamp(self) -> None:
+        assert channel([3.0, 1.0, 2.0, float("nan")], [0] * 4).duration == 2
+
+    def test_the_text_has_the_numbers_of_the_table(self) -> None:
+        """A rate that was stated, before that of the stamps; runs of NaN among the gaps."""
+        nan = float("nan")
+        raw = channel([0, 0.5, 1, 5, 5.5, 6], [nan, nan, 1, 2, nan, 3], rate=7.0)
+        found = Recording(title="", channels=(raw,))
+        row = str(found).splitlines()[2].split()
+        assert [float(cell) for cell in row[-4:]] == found.to_pandas().iloc[0, 2:].tolist() == [7, 6, 6, 3]
+
     @pytest.mark.parametrize("timepts", [[], [1.0], [float("nan")] * 3, [2.0, 2.0]])
     def test_no_clock_to_speak_of(self, timepts: list[float]) -> None:
         raw = channel(timepts, [0.0] * len(timepts))

@@ -42,7 +42,7 @@ from suspid import (
 from suspid.analysis import analyse
 from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
-from suspid.identification import identify_repeats, verdict_of
+from suspid.identification import identification_to_dict, identify_repeats, to_json, verdict_of
 from suspid.identification.modes_json import read_modes
 from suspid.records import as_response
 from suspid.reporting import Source, content_of, json_schema, report, report_to_dict, source_of
@@ -51,7 +51,7 @@ from suspid.reporting.colours import Colour
 from suspid.reporting.numerals import quantity
 from suspid.reporting.page_text import sentence_html
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
-from suspid.reporting.record_facts import view_of
+from suspid.reporting.record_facts import record_facts, view_of
 from suspid.reporting.rows import pole_rows
 from suspid.reporting.spring_rows import spring_rows
 from suspid.reporting.svg import page_style, svg_of
@@ -405,6 +405,41 @@ class TestRounding:
                 shown = quantity(float(value), float(reach))
                 assert f"{shown.value} ± {shown.reach}" in [cell.strip() for cell in cells]
 
+    def test_the_page_shows_what_is_known_of_the_channels(self, found: Identification) -> None:
+        """Shares in percent, noise with three digits; the record ends at its last sample, not one step behind it."""
+        text = " ".join(Page(report(found)).cells)
+        signal = as_signal(found.response)
+        for name, share, noise in zip(signal.channels, found.explained, found.noise_std, strict=True):
+            numbers = re.search(rf"{re.escape(name)} (?:–|\S+) (\S+) (\S+) ", text)
+            assert numbers, name
+            assert float(numbers[1]) == pytest.approx(100 * share, abs=0.005)
+            assert float(numbers[2]) == pytest.approx(noise, rel=0.005)
+        assert record_facts(found)["end"] == f"{signal.timepts[-1]:.6g} s"
+
+    @pytest.mark.parametrize("level", [0.5, 0.99])
+    def test_the_json_has_the_intervals_of_the_level(
+        self, found: Identification, springs: Reconstruction, level: float
+    ) -> None:
+        said: Any = report_to_dict(content_of(found, reconstruction=springs, level=level))
+        ends = found.modes.interval(level)
+        for k, mode in enumerate(said["quality"]):
+            assert mode["wn_interval_rad_per_s"] == pytest.approx(ends.wn[k])
+            assert mode["frequency_interval_hz"] == pytest.approx(ends.wn[k] / (2 * np.pi))
+            assert mode["zeta_interval"] == pytest.approx(ends.zeta[k])
+            assert mode["halves_apart_std"] == found.halves[k]
+        for row in said["reconstruction"]["parameters"]:
+            assert (row["lower"], row["upper"]) == pytest.approx(springs.interval(level)[row["name"]])
+
+    def test_significant_is_what_the_level_of_the_page_makes_it(self, springs: Reconstruction) -> None:
+        """Three and a half standard deviations from nominal are no chance at 95 %, and may be at 99.99 %."""
+        std = float(np.sqrt(springs.covariance[0, 0])) if springs.covariance is not None else np.nan
+        strut, quantity_ = springs.parameters[0].split(".")
+        assert quantity_ == "stiffness"
+        low, high = springs.interval(0.95)[springs.parameters[0]]
+        other = springs.suspension.with_parameters(stiffness={strut: (low + high) / 2 + 3.5 * std})
+        rows = {level: spring_rows(replace(springs, nominal=other), level)[0].significant for level in (0.95, 0.9999)}
+        assert rows == {0.95: "yes", 0.9999: "no"}
+
     def test_every_spring_has_its_interval(self, found: Identification, springs: Reconstruction) -> None:
         text = " ".join(Page(report(content_of(found, reconstruction=springs))).cells)
         for name, (low, high) in springs.interval(0.95).items():
@@ -628,6 +663,16 @@ class TestLongRecords:
 
     def test_a_short_record_keeps_its_own(self, found: Identification) -> None:
         assert drawable(found) is found
+
+    def test_ridges_of_a_short_record_are_those_of_identify(self) -> None:
+        """The default candidates, whose best lies between the few of long records."""
+        t = np.arange(0, 6, 0.01)
+        noise = 1e-3 * np.random.default_rng(0).normal(size=t.size)
+        found = identify(as_response(t, (np.exp(-0.4 * t) * np.cos(20 * t) + noise)[None], ["y"]), modes=1)
+        said: Any = report_to_dict(found)
+        plain = json.loads(to_json(identification_to_dict(found, file="", warnings=[])))
+        assert said["ridges"] == plain["ridges"]
+        assert said["wavelet"]["bandwidth"] == found.scalogram.wavelet.bandwidth
 
 
 class TestPictures:

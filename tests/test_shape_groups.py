@@ -35,6 +35,12 @@ class TestCommonMotion:
         assert group.shapes == pytest.approx(scaled_shapes(EXACT.shapes), abs=1e-12)
         assert group.brought
 
+    def test_so_do_those_of_angles(self) -> None:
+        (group,) = shape_groups(measured([0, 1, 2], [1.0, np.pi / 180, np.pi / 180]), ["rad", "deg/s", "deg/s^2"])
+        assert EXACT.shapes is not None
+        assert group.shapes == pytest.approx(scaled_shapes(EXACT.shapes), abs=1e-12)
+        assert group.unit == "rad"
+
     def test_units_that_are_alike_or_not_known_change_nothing(self) -> None:
         assert EXACT.shapes is not None
         for units in (None, ["m/s2"] * 3, [""] * 3):

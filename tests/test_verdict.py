@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -341,6 +342,22 @@ class TestWords:
             assert verdict.level is (Level.SOUND if level is Level.NOTE else level)
         assert len(verdict.doubts) == 3
         assert Verdict(remark).level is Level.SOUND
+
+    def test_the_gravest_doubt_comes_first(self) -> None:
+        care, grave = Remark(Reason.TONE), Remark(ModeCheck.NOTHING_DECAYS)
+        checks = (Check(care, Level.CARE), Check(grave, Level.DOUBTFUL), Check(care, Level.CARE))
+        assert Verdict(care, checks).doubts == (grave, care, care)
+
+    def test_precision_and_amplitude_keep_their_numbers_apart(self) -> None:
+        """Frequency and damping, and the values at large and at small amplitude, each in its place."""
+        known = str(Remark(ModeCheck.KNOWN, {"wn": 0.0002, "zeta": 0.031, "level": 0.9}))
+        assert re.findall(r"[\d.]+ %", known) == ["0.02 %", "3.1 %", "90 %"]
+        numbers: dict[str, Number] = {
+            "mode": 1, "high_hz": 1.1, "high_zeta": 0.21, "high": 5.0, "low_hz": 1.3, "low_zeta": 0.34, "low": 0.5,
+            "channel": "seat", "holds": 2.0,
+        }  # fmt: skip
+        said = re.findall(r"[\d.]*\d", str(Remark(ModeCheck.AMPLITUDE, numbers)))
+        assert said == ["1", "1.1", "0.21", "5", "1.3", "0.34", "0.5", "2"]
 
     def test_json_holds_codes_numbers_and_sentences(self) -> None:
         remark = Remark(Reason.TOO_WEAK, {"gain": 3.0, "needed": 20.0})

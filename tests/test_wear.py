@@ -1,5 +1,6 @@
 """Wear of dampers: error rates of the rule by draws, what cancels, and verdicts."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -226,6 +227,23 @@ class TestChanges:
         both = np.hypot(1, 0.9 / 0.9) * 0.9 * fresh.std[fresh.parameters.index("chassis.damping")] / change.before
         assert (change.high - change.low) / 2 == pytest.approx(1.96 * both, rel=1e-3)
         assert not found["chassis.stiffness"].significant
+
+    def test_the_rates_are_those_of_the_rule(self, fresh: Estimate) -> None:
+        """Small ones are not rounded to none."""
+        note = str(wear(fresh, before=fresh, rule=WearRule(rate=0.0125)).verdict.notes[-1])
+        assert "no more than 10% is called worn, and one that lost 30% or more good, in at most 1.25% of" in note
+
+    def test_numbers_are_those_of_the_page(self, fresh: Estimate) -> None:
+        """A spring of 1e6 N/m is written out, and an angle that is known to hundredths has its hundredths."""
+        found = wear(fresh, before=fresh)
+        stiff = replace(found.changes[0], name="tire.stiffness", unit="N/m", before=1e6, after=1e6)
+        assert "1000000  1000000" in str(replace(found, changes=(stiff,)))
+        assert found.after is not None
+        (wheel,) = [line for line in str(found).splitlines() if line.split()[:1] == ["tire"]][-1:]
+        std = np.degrees(found.after.phase_std[0])
+        (shown,) = re.findall(r"± (\S+)$", wheel)
+        # Two digits.
+        assert float(shown) == pytest.approx(std, rel=0.05)
 
 
 class TestRefusals:

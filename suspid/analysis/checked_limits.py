@@ -6,9 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from suspid.analysis.limits import Limit
 from suspid.results import Result
-from suspid.text_tables import TERMINAL, text_table
+from suspid.text_tables import TERMINAL, bound_columns, figures_of, rounded, text_table
 from suspid.units import Ratio
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.limits import LimitHeadline, LimitState
@@ -140,7 +142,7 @@ class CheckedLimits(Result):
                 "limit": [row.limit.name for row in self.rows],
                 "unit": [row.limit.unit for row in self.rows],
                 "asked": [str(row.limit) for row in self.rows],
-                "found": ["" if math.isnan(row.value) else f"{row.value / row.limit.scale:.5g}" for row in self.rows],
+                "found": [_found(row) for row in self.rows],
                 f"{100 * self.level:g} % interval": [_interval(row) for row in self.rows],
                 "": [str(row.state) for row in self.rows],
             },
@@ -150,7 +152,19 @@ class CheckedLimits(Result):
         return "\n".join([f"{self.verdict.headline}", table, *why])
 
 
+def _found(row: CheckedLimit) -> str:
+    """Return the value with the digits that its interval leaves."""
+    if math.isnan(row.value):
+        return ""
+    if not row.upper > row.lower:
+        return figures_of(row.value / row.limit.scale, 5)
+    half = (row.upper - row.lower) / 2 / row.limit.scale
+    return rounded(np.array([row.value / row.limit.scale]), np.array([half]))[0]
+
+
 def _interval(row: CheckedLimit) -> str:
+    """Return the ends with the digits that tell them apart."""
     if math.isnan(row.lower):
         return ""
-    return f"{row.lower / row.limit.scale:.5g} to {row.upper / row.limit.scale:.5g}"
+    ends = bound_columns([(row.lower / row.limit.scale, row.upper / row.limit.scale)])
+    return f"{ends['lower'][0]} to {ends['upper'][0]}"

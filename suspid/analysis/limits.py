@@ -27,6 +27,7 @@ from pathlib import Path
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, read_text
+from suspid.text_tables import figures_of
 from suspid.toml import as_number, as_table, check_keys, parsed_toml
 from suspid.units import Hertz
 from suspid.values import is_count
@@ -117,10 +118,10 @@ class Limit:
         return SCALES[self.quantity][self.unit]
 
     def __str__(self) -> str:
-        least, most = self.least / self.scale, self.most / self.scale
-        if math.isinf(most):
-            return f"at least {least:.6g}"
-        return f"at most {most:.6g}" if math.isinf(least) else f"{least:.6g} to {most:.6g}"
+        least, most = (figures_of(bound / self.scale, 6) for bound in (self.least, self.most))
+        if math.isinf(self.most):
+            return f"at least {least}"
+        return f"at most {most}" if math.isinf(self.least) else f"{least} to {most}"
 
 
 @explained

@@ -9,7 +9,9 @@ from suspid.cleaning.conversions import si_unit
 from suspid.io import bare_name, unit_in_name
 
 # How often a displacement, and an angle, is differentiated, by the SI unit of the result.
-MOTION_OF_UNIT = {"m": ("m", 0), "m/s": ("m", 1), "m/s2": ("m", 2), "rad": ("rad", 0), "rad/s": ("rad", 1)}
+MOTION_OF_UNIT = {
+    "m": ("m", 0), "m/s": ("m", 1), "m/s2": ("m", 2), "rad": ("rad", 0), "rad/s": ("rad", 1), "rad/s2": ("rad", 2),
+}  # fmt: skip
 # Words in names without a unit that say it. A speed is that of the vehicle.
 WORDS = (
     (re.compile(r"disp|displ|displacement|travel|deflection|weg"), "displacement"),

@@ -101,7 +101,7 @@ FOLLOWED_BY = {"channels": "identify", "report": "estimate"}
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
 
-    command_class = Grouped
+    command_class: type[click.Command] | None = Grouped
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Keep the arguments, for reports that show the command they come from."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from suspid.model import value_in
 from suspid.signals import as_signal
-from suspid.text_tables import TERMINAL, rounded, spread, text_table
+from suspid.text_tables import TERMINAL, figures_of, rounded, spread, text_table
 from suspid.units import UNITS
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def parameter_table(found: Estimate) -> str:
         "unit": [parameter_unit(name) for name in found.parameters],
         "found": rounded(found.values, found.std),
         "±": [spread(std) for std in found.std],
-        "nominal": ["" if value is None else f"{value:.6g}" for value in nominal],
+        "nominal": ["" if value is None else figures_of(value, 6) for value in nominal],
         "change": [
             "" if not old else f"{100 * (new / old - 1):+.1f} %" for new, old in zip(found.values, nominal, strict=True)
         ],

@@ -14,7 +14,7 @@ from suspid.model.compare_parameters import compare_parameters
 from suspid.model.comparison import ComparedValue, Comparison, mean_errors
 from suspid.model.force_curves import piecewise
 from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters
-from suspid.model.matching import common_mac, paired
+from suspid.model.matching import common_mac, paired, with_rigid
 from suspid.model.modes import ModalSet
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
@@ -51,7 +51,8 @@ def compare(
         Allowed error; of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value,
         below 1 [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken
         relative to the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1
-        (critical damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default:
+        (critical damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Poles
+        found that are exact and within this error of an expected rigid-body mode count as zero, a pair as two. Default:
         the 95 % interval of each difference, from the covariance of the results that carry one (of both, as if
         independent, when both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated
         values one is expected to fall outside.
@@ -160,6 +161,7 @@ def _checked_sigmas(sigmas: float | None, *, known: bool) -> float:
 
 
 def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Mapping[str, Ratio], sigmas: float) -> Comparison:
+    found = with_rigid(found, expected, EXACT if rtol.get("wn") is None else rtol["wn"])
     mac = common_mac(found, expected)
     # Modes further apart, as a share of the larger pole, are never paired: with a wider gate a missing and an extra
     # mode would be reported as one mode that is off, with a narrower one a poor estimate as a missing and an extra

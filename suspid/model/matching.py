@@ -46,6 +46,25 @@ def common_mac(found: ModalSet, expected: ModalSet) -> RealArray | None:
     )
 
 
+def with_rigid(found: ModalSet, expected: ModalSet, rtol: Ratio) -> ModalSet:
+    """Return exact modes with zeros where poles are within the allowed error of an expected pole at zero.
+
+    Rounding splits the double pole of a free mass into a pair or into two real poles near zero.
+
+    Examples
+    --------
+    >>> free = ModalSet(poles=[0.0, 0.0, -1 + 50j])
+    >>> with_rigid(ModalSet(poles=[6e-7j, -1 + 50j]), free, 1e-6).kinds
+    ('rigid', 'rigid', 'pair')
+    """
+    if found.covariance is not None or "rigid" not in expected.kinds:
+        return found
+    zero = found.wn <= rtol * np.max(expected.wn)
+    each = np.repeat(np.arange(len(found)), np.where(zero & (found.poles.imag > 0), 2, 1))
+    shapes = None if found.shapes is None else found.shapes[:, each]
+    return ModalSet(poles=np.where(zero, 0.0, found.poles)[each], shapes=shapes, channels=found.channels)
+
+
 def paired(found: ModalSet, expected: ModalSet, *, mac: RealArray | None, gate: Ratio) -> dict[int, int]:
     """Return the index of the found mode by the index of its expected mode.
 

@@ -11,7 +11,7 @@ from suspid.levels import LEVEL
 from suspid.performance.grips import Grip
 from suspid.performance.losses import TESTS, Loss, WearRule
 from suspid.results import Result, columns_of
-from suspid.text_tables import TERMINAL, text_table
+from suspid.text_tables import TERMINAL, figures_of, rounded, spread, text_table
 from suspid.units import NewtonSecondPerMetre, Ratio
 from suspid.words import Check, DamperState, Verdict
 
@@ -178,8 +178,8 @@ class Wear(Result):
         changes = {
             "parameter": [one.name for one in self.changes],
             "unit": [one.unit for one in self.changes],
-            "before": [f"{one.before:.6g}" for one in self.changes],
-            "after": [f"{one.after:.6g}" for one in self.changes],
+            "before": [figures_of(one.before, 6) for one in self.changes],
+            "after": [figures_of(one.after, 6) for one in self.changes],
             "change": [_percent(one.change) if one.in_percent else "" for one in self.changes],
             reach: [f"{_percent(one.low)} to {_percent(one.high)}" if one.in_percent else "" for one in self.changes],
             "significant": ["yes" if one.significant else "no" for one in self.changes],
@@ -204,8 +204,8 @@ def _grips(before: Grip, after: Grip) -> dict[str, list[str]]:
         for when, one in (("before", before), ("after", after)):
             values, stds = getattr(one, what), getattr(one, f"{what}_std")
             columns[f"{name}, {when}"] = [
-                "none" if np.isnan(v) else f"{scale * v:.1f} ± {scale * s:.1f}"
-                for v, s in zip(values, stds, strict=True)
+                "none" if np.isnan(v) else f"{figure} ± {spread(scale * s)}" if s > 0 else f"{scale * v:.1f}"
+                for v, s, figure in zip(values, stds, rounded(scale * values, scale * stds), strict=True)
             ]
     return columns
 

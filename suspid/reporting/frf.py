@@ -105,11 +105,13 @@ def _response(
         raise InputError("the cause does not move, so there is no frequency response")
     coherence = np.clip(np.abs(cross) ** 2 / np.maximum(power * own, 1e-300), 1e-12, 1.0)[kept]
     averages = max(1, 2 * (size // length) - 1) / (1 + SHARED_HALF)
+    # What the noise that is taken off does to the spectrum of the cause in this record stays in the gain.
+    taken_off = (quiet / (power - quiet))[kept] ** 2 / averages
     return Frf(
         hertz=hertz[kept],
         record=(cross / (power - quiet))[kept],
         fit=(density(fit.cause, fit.motion) / motion)[kept],
-        std=np.sqrt((1 - coherence) / (2 * averages * coherence)),
+        std=np.sqrt((1 - coherence) / (2 * averages * coherence) + taken_off),
         cause=cause,
         unit=unit,
     )

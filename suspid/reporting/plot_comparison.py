@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -133,25 +133,31 @@ def _parameters(before: FoundCar | FoundParameters, after: FoundCar | FoundParam
 
 def _modes(before: ModalSet, after: ModalSet, quantity: str, level: Ratio) -> list[Compared]:
     """Return one quantity of every mode that both sets have."""
+    table = compare(after, before).table
+    partners = [
+        (wn.item, _at(before, wn.expected, zeta.expected), _at(after, wn.found, zeta.found))
+        for wn, zeta in zip(table[::2], table[1::2], strict=True)
+    ]
     old, new = _ends(before, quantity, level), _ends(after, quantity, level)
-    rows = [row for row in compare(after, before).table if row.quantity == quantity]
     return [
-        Compared(name=row.item, before=old(row.expected), after=new(row.found))
-        for row in rows
-        if row.expected and row.found is not None
+        Compared(name=name, before=old[i], after=new[k])
+        for name, i, k in partners
+        if i is not None and k is not None and old[i][1]
     ]
 
 
-def _ends(modes: ModalSet, quantity: str, level: Ratio) -> Callable[[float], tuple[float, float, float]]:
-    """Return what gives the ends of the interval of a value of the modes; the value itself where they are exact."""
-    values = getattr(modes, quantity)
-    known = None if modes.wn_std is None else getattr(modes.interval(level), quantity)
+def _at(modes: ModalSet, wn: float | None, zeta: float | None) -> int | None:
+    """Return the number of the mode of this frequency and damping ratio, one of which others may have; None of none."""
+    return None if wn is None or zeta is None else int(np.argmin(np.abs(modes.wn - wn) + np.abs(modes.zeta - zeta)))
 
-    def ends(value: float) -> tuple[float, float, float]:
-        k = int(np.argmin(np.abs(values - value)))
-        return (value, value, value) if known is None else (float(known[k, 0]), value, float(known[k, 1]))
 
-    return ends
+def _ends(modes: ModalSet, quantity: str, level: Ratio) -> list[tuple[float, float, float]]:
+    """Return lower end, value and upper end of each mode; the value itself where they are exact."""
+    values = getattr(modes, quantity).tolist()
+    if modes.wn_std is None:
+        return [(value, value, value) for value in values]
+    known = getattr(modes.interval(level), quantity).tolist()
+    return [(low, value, high) for value, (low, high) in zip(values, known, strict=True)]
 
 
 def _draw(ax: Axes, rows: Sequence[Compared]) -> None:

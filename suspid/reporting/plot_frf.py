@@ -35,9 +35,9 @@ def plot_frf(
 
     Both are cross spectrum over spectrum of the cause (H1), by Welch's method with Hann windows over an eighth of the
     record, so that leakage is the same in both. The band around the gain of the record is its 95 % interval by the
-    coherence. Where a channel is the cause, the noise that was found in it is taken off its spectrum. Where several
-    causes move the car, as front and rear wheels do, it is the response with all of them moving, of record and fit
-    alike.
+    coherence. Where a channel is the cause, the noise that was found in it is taken off its spectrum, and the band is
+    wider by what the scatter of that noise leaves. Where several causes move the car, as front and rear wheels do, it
+    is the response with all of them moving, of record and fit alike.
 
     Parameters
     ----------

@@ -91,19 +91,14 @@ def row_edges(hertz: RealArray) -> RealArray:
 def drawable(identification: Identification) -> Identification:
     """Return the identification with a wavelet's view of it that is quickly made.
 
-    One identified by its ridges keeps its own. Else the wavelet is one of a dozen. Of a long record the view is that
-    of its first part, until the slowest mode has died away, at a rate that suffices for the fastest.
+    One identified by its ridges, and one of a short record, keeps its own. Of a long record the view is that of its
+    first part, until the slowest mode has died away, at a rate that suffices for the fastest; the wavelet is one of a
+    dozen.
     """
     signal = identification.steps.signal
     channels, count = signal.values.shape
-    if identification.method == "ridge":
+    if identification.method == "ridge" or channels * count <= MOST_SAMPLES:
         return identification
-    if channels * count <= MOST_SAMPLES:
-        steps = identification.steps
-        few = _some(steps.candidates)
-        return (
-            identification if few == steps.candidates else replace(identification, steps=replace(steps, candidates=few))
-        )
     most = max(MOST_SAMPLES // channels, FEWEST_DRAWN)
     # Where there is no mode, what was taken for none is of interest.
     beside = [c.pole for c in identification.considered if c.removed or not len(identification.modes)]
