@@ -35,7 +35,7 @@ def written(path: Path, *channels: np.ndarray, names: tuple[str, ...] = ("Encode
     return path
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [2, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_sensor_that_hardly_moves_is_left_out(seed: int, tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "two.csv", swing(), touched(seed)))
     alone = analyse(written(tmp_path / "one.csv", swing()))
@@ -50,7 +50,7 @@ def test_a_sensor_that_hardly_moves_is_left_out(seed: int, tmp_path: Path) -> No
 
 
 def test_channels_that_are_named_are_all_used(tmp_path: Path) -> None:
-    path = written(tmp_path / "two.csv", swing(), touched(1))
+    path = written(tmp_path / "two.csv", swing(), touched(2))
     found = analyse(path, settings=Settings(channels=("Encoder 1", "Encoder 2")))
     assert Note.FEWER_CHANNELS not in {note.code for note in found.notes}
 

@@ -14,14 +14,22 @@ import suspid
 from suspid.cli.option_names import ARGUMENTS_AS_OPTIONS
 
 LIBRARY = Path(suspid.__file__).parent
-MODULES = {
-    ".".join(path.relative_to(LIBRARY).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
-    for path in sorted(LIBRARY.rglob("*.py"))
-}
 PACKAGES = sorted(path.parent.name for path in LIBRARY.glob("*/__init__.py"))
 
 
-NODES = [(name, node) for name, tree in MODULES.items() for node in ast.walk(tree)]
+@cache
+def modules() -> dict[str, ast.Module]:
+    """Return the syntax tree of each module of the library by its name."""
+    return {
+        ".".join(path.relative_to(LIBRARY).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
+        for path in sorted(LIBRARY.rglob("*.py"))
+    }
+
+
+@cache
+def nodes() -> list[tuple[str, ast.AST]]:
+    """Return the nodes of all modules, each with the name of its module."""
+    return [(name, node) for name, tree in modules().items() for node in ast.walk(tree)]
 
 
 def place(name: str) -> str:
@@ -43,7 +51,7 @@ def type_only(tree: ast.Module) -> set[int]:
 @cache
 def imports(name: str) -> tuple[str, ...]:
     """Return the full names of all modules that a module imports at run time, anywhere in it."""
-    tree = MODULES[name]
+    tree = modules()[name]
     skipped = type_only(tree)
     names: list[str] = []
     for node in ast.walk(tree):
@@ -62,7 +70,7 @@ def imports(name: str) -> tuple[str, ...]:
 def arrows(*, packages: bool) -> dict[str, set[str]]:
     """Return what each module, or each package, imports from the rest of the library."""
     graph: dict[str, set[str]] = {}
-    for name in MODULES:
+    for name in modules():
         if name in ("__init__", "__main__"):
             continue
         others = [other.removeprefix("suspid.") for other in imports(name) if other.startswith("suspid.")]
@@ -84,7 +92,7 @@ class TestLayers:
         )
 
     def test_other_packages_are_used_through_what_they_export(self) -> None:
-        for name in MODULES:
+        for name in modules():
             for imported in imports(name):
                 package, _, module = imported.removeprefix("suspid.").partition(".")
                 # Each module of words is a subject of its own, which its users import by name.
@@ -93,7 +101,7 @@ class TestLayers:
 
     @pytest.mark.parametrize("package", PACKAGES)
     def test_a_package_says_what_lives_there_and_what_it_exports(self, package: str) -> None:
-        tree = MODULES[f"{package}.__init__"]
+        tree = modules()[f"{package}.__init__"]
         text = ast.get_docstring(tree) or ""
         assert 1 <= len(text.splitlines()) <= 12
         # What is imported `as` itself is for other packages alone.
@@ -128,18 +136,18 @@ class TestConstants:
     def test_a_constant_stands_once(self) -> None:
         """One name has one value and one owner; other modules import it."""
         owners: dict[str, list[str]] = {}
-        for module, tree in MODULES.items():
+        for module, tree in modules().items():
             for constant in constants(tree):
                 owners.setdefault(constant, []).append(module)
         assert {constant: modules for constant, modules in owners.items() if len(modules) > 1} == {}
 
     def test_names_differ_by_more_than_an_underscore(self) -> None:
-        names = [constant for tree in MODULES.values() for constant in constants(tree)]
+        names = [constant for tree in modules().values() for constant in constants(tree)]
         assert len({name.replace("_", "") for name in names}) == len(set(names))
 
     def test_a_number_stands_beside_its_reason(self) -> None:
         """The comment is in the line itself, or above the group of lines in which the constant stands."""
-        for name, node in [(name, node) for name, tree in MODULES.items() for node in tree.body]:
+        for name, node in [(name, node) for name, tree in modules().items() for node in tree.body]:
             if isinstance(node, ast.Assign | ast.AnnAssign) and node.value and numeric(node.value):
                 lines = (LIBRARY.parent / place(name)).read_text(encoding="utf-8").splitlines()
                 above = lines[: node.lineno - 1]
@@ -183,8 +191,8 @@ class TestMessages:
 
     def texts(self) -> list[tuple[str, str, str]]:
         """Return module, place and text of all strings but docstrings."""
-        docstrings = {id(n.value) for _, n in NODES if isinstance(n, ast.Expr)}
-        strings = [(n, node) for n, node in NODES if isinstance(node, ast.Constant | ast.JoinedStr)]
+        docstrings = {id(n.value) for _, n in nodes() if isinstance(n, ast.Expr)}
+        strings = [(n, node) for n, node in nodes() if isinstance(node, ast.Constant | ast.JoinedStr)]
         return [
             (name, f"{place(name)} line {node.lineno}", said(node))
             for name, node in strings
@@ -202,23 +210,23 @@ class TestMessages:
 
 class TestModules:
     def test_nothing_is_printed(self) -> None:
-        for name, node in NODES:
+        for name, node in nodes():
             if isinstance(node, ast.Call):
                 assert ast.unparse(node.func) != "print", f"{place(name)} prints in line {node.lineno}"
 
     def test_words_that_are_functions_have_a_known_type(self) -> None:
-        for name, node in NODES:
+        for name, node in nodes():
             if name.startswith("words.") and isinstance(node, ast.Tuple):
                 bare = [one.lineno for one in node.elts if isinstance(one, ast.Lambda)]
                 assert not bare, f"{place(name)}: pass the lambda of line {bare[0]} to `sentence`"
 
     def test_matplotlib_is_imported_by_plots_alone(self) -> None:
         helpers = {"reporting.axes", "reporting.pictures", "reporting.svg", "results", "cli.measured"}
-        others = [name for name in MODULES if not name.startswith("reporting.plot_") and name not in helpers]
+        others = [name for name in modules() if not name.startswith("reporting.plot_") and name not in helpers]
         assert [name for name in others if any(i.split(".")[0] == "matplotlib" for i in imports(name))] == []
 
     def test_no_method_rebinds_self(self) -> None:
-        functions = [(name, node) for name, node in NODES if isinstance(node, ast.FunctionDef)]
+        functions = [(name, node) for name, node in nodes() if isinstance(node, ast.FunctionDef)]
         for name, function in functions:
             if function.name in {"__init__", "__post_init__"}:
                 continue
@@ -231,7 +239,7 @@ class TestModules:
                     assert ast.unparse(node).split(".")[0] != "self", f"{where} assigns to self"
 
     def test_no_function_takes_any_keyword(self) -> None:
-        for name, tree in MODULES.items():
+        for name, tree in modules().items():
             bodies = [tree.body, *(n.body for n in tree.body if isinstance(n, ast.ClassDef))]
             for function in [n for body in bodies for n in body if isinstance(n, ast.FunctionDef)]:
                 assert function.args.kwarg is None, f"{place(name)}: {function.name} takes any keyword"

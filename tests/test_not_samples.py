@@ -140,7 +140,7 @@ def test_the_settings_that_an_error_names_are_taken() -> None:
 def test_a_tolerance_in_percent_is_refused(rtol: Any) -> None:
     """A relative tolerance above one would pass a value of zero, and one that is twice as large."""
     modes = ModalSet.from_wn_zeta([10.0], [0.3])
-    with pytest.raises(SuspidError, match="give a ratio below 1, such as 0.02"):
+    with pytest.raises(SuspidError, match="it is a ratio below 1, 1 % is 0.01"):
         compare(modes, modes, rtol=rtol)
 
 

@@ -147,7 +147,7 @@ def _found(
         return driven
     analysis = _analysed(files, settings, suspension, step)
     # Sound modes that no car explains are those of decays of another car, or of several cars.
-    if not measured or analysis.verdict.level > Level.DOUBTFUL:
+    if not measured or replace(analysis, reconstruction=None, estimate=None).verdict.level > Level.DOUBTFUL:
         return analysis
     if first != measured:
         driven, moved = _driven(tests, suspension, measured)

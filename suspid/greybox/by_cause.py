@@ -16,6 +16,7 @@ from suspid.greybox.record_test import RecordTest
 from suspid.model import Suspension
 from suspid.signals import as_signal
 from suspid.threads import in_one_thread
+from suspid.words.greybox import EstimateCheck
 
 
 def estimate_by_cause(
@@ -27,7 +28,8 @@ def estimate_by_cause(
 ) -> tuple[Estimate, tuple[str, ...]]:
     """Return the estimate under the first cause that explains the tests, and the cause; ``()`` is a free decay.
 
-    Where none explains them it is that of the best verdict, and of equal ones that which leaves least. ``causes`` are
+    Records that are each explained by a car of its own are explained, too: they are not of one car. Where no cause
+    explains them it is the estimate of the best verdict, and of equal ones that which leaves least. ``causes`` are
     those to try, in order (default: `likely_causes`), ``options`` are arguments of `estimate`.
 
     Raises
@@ -62,7 +64,7 @@ def estimate_by_cause(
         except (EstimationError, RecordError) as error:
             refused.append(error)
             continue
-        if found[-1][0].explains:
+        if _explained(found[-1][0]):
             return found[-1]
     if not found:
         raise refused[0]
@@ -72,6 +74,12 @@ def estimate_by_cause(
 @in_one_thread
 def _estimate(tests: Sequence[RecordTest], car: Suspension, options: Mapping[str, Any], *, onsets: bool) -> Estimate:
     return fitted_car(tests, car, Asked(**options), onsets=onsets)
+
+
+def _explained(found: Estimate) -> bool:
+    """Return whether a car explains the records, or one car each of them."""
+    each = (c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.NOT_ONE_CAR)
+    return found.explains or any(remark.numbers["each"] for remark in each)
 
 
 def _left(found: Estimate) -> float:

@@ -42,8 +42,9 @@ def one_car(problem: Problem, x: RealArray, noise: Sequence[RealArray], errors: 
         return None
     found = [_alone(problem, i, x, noise[i], error) for i, error in enumerate(errors)]
     chi_square, freedom = sum(one.gain for one in found), (count - 1) * len(x)
+    each = all(one.white for one in found)
     differ = max(one.goes for one in found) > MOST_GOES
-    if likely(chi_square, freedom) or not (differ or all(one.white for one in found)):
+    if likely(chi_square, freedom) or not (differ or each):
         return None
     worst = int(np.argmax([one.goes for one in found]))
     own, (_, slope) = found[worst].x, problem.compressed(errors[worst], noise[worst])
@@ -56,6 +57,7 @@ def one_car(problem: Problem, x: RealArray, noise: Sequence[RealArray], errors: 
         "change": float(own[moved] / x[moved] - 1),
         "chi_square": chi_square,
         "freedom": freedom,
+        "each": each,
     }
     return Check(Remark(EstimateCheck.NOT_ONE_CAR, numbers), Level.DOUBTFUL if differ else Level.CARE)
 
