@@ -3,6 +3,7 @@ import itertools
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from functools import cache, cached_property
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -30,6 +31,14 @@ def modules() -> dict[str, ast.Module]:
 def nodes() -> list[tuple[str, ast.AST]]:
     """Return the nodes of all modules, each with the name of its module."""
     return [(name, node) for name, tree in modules().items() for node in ast.walk(tree)]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_is_kept() -> Iterator[None]:
+    """Leave no tree behind: other tests collect garbage often, and these are half a million nodes."""
+    yield
+    for cached in (modules, nodes, imports):
+        cached.cache_clear()
 
 
 def place(name: str) -> str:
