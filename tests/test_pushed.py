@@ -37,7 +37,7 @@ class TestSimulator:
 
 
 class TestReleases:
-    @pytest.mark.parametrize("seed", [5, 9, pytest.param(16, marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("seed", [9, *(pytest.param(more, marks=pytest.mark.slow) for more in (5, 16))])
     def test_each_is_found_where_the_hands_leave(self, seed: int) -> None:
         record = pushed.pushed(seed)
         signal = as_signal(as_response(record.time, record.values, list(record.names)))
@@ -60,7 +60,7 @@ class TestReleases:
         assert releases(as_signal(as_response(time, values, ["y", "z"])), np.zeros(2))[0] == []
 
 
-@pytest.mark.parametrize("seed", [2, 5, pytest.param(9, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [2, *(pytest.param(more, marks=pytest.mark.slow) for more in (5, 9))])
 def test_the_first_command_finds_the_body(seed: int, tmp_path: Path) -> None:
     record = pushed.pushed(seed)
     pushed.write(record, tmp_path / "pushed.csv")
