@@ -39,7 +39,9 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
       1      20000      900
     """
     columns = {named(name): [named(cell, name in words) for cell in cells] for name, cells in columns.items()}
-    sides = ["left" if name in words else "right" for name in columns]
+    # tabulate 0.9 takes no sides of a table without rows.
+    rows = any(columns.values())
+    sides = ["left" if name in words else "right" for name in columns] if rows else None
     whole: str = tabulate(columns, headers="keys", disable_numparse=True, stralign="right", colalign=sides)
     whole = "\n".join(map(str.rstrip, whole.split("\n"))) if words else whole
     if widest is None or max(map(len, whole.split("\n"))) <= widest:

@@ -30,6 +30,7 @@ from suspid import (
     simulate,
 )
 from suspid.greybox.dynamics import plant_of, transition
+from suspid.greybox.judgement import gains_off
 from suspid.greybox.modal import modes_of
 from suspid.greybox.whiteness import portmanteau, score_power
 from suspid.reconstruction import parameter_names, parameter_vector
@@ -446,6 +447,14 @@ class TestJudgement:
         assert found.verdict.level is level
         assert [one.level for one in said] == [level] * (factor > 1)
         assert all(one.remark.numbers["name"] == "chassis.stiffness" for one in said)
+
+    def test_a_gain_that_no_calibrated_sensor_has_calls_for_care(self) -> None:
+        """1.12 ± 0.003 is one, 1.12 ± 0.03 may be 1.05."""
+        names, values = ("a.damping", "a.gain", "b.gain"), np.array([9.0, 1.12, 1.05])
+        for std, odd in ((0.003, True), (0.03, False)):
+            checks = list(gains_off(names, values, np.full(3, std)))
+            assert [(one.remark.code, one.level) for one in checks] == [(EstimateCheck.MISCALIBRATED, Level.CARE)] * odd
+            assert all(one.remark.numbers["names"] == ("a.gain = 1.12",) for one in checks)
 
     @pytest.mark.parametrize(("lacking", "level"), [(True, Level.DOUBTFUL), (False, Level.CARE)])
     def test_a_residual_that_follows_the_road_is_no_noise(self, lacking: bool, level: Level) -> None:

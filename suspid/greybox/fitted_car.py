@@ -126,7 +126,7 @@ def fitted_car(
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
-        *gains_off(parameters, values),
+        *gains_off(parameters, values, std),
         changed_check(tuple(name for name in parameters if name in apart)),
         *far_or_vague(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),

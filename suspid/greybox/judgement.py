@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 
 from suspid.greybox.parameter_ends import ends_of
-from suspid.levels import LEVEL
+from suspid.levels import LEVEL, SURE
 from suspid.model import Suspension, value_in
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray
@@ -17,6 +17,8 @@ from suspid.words.greybox import EstimateCheck
 # Springs and masses within this factor of the least positive value are not needed.
 NEXT_TO_LEAST = 1.01
 MOST_GAIN = 2.0  # no sensor is off by such a factor, but units are
+# Sensors of motion are calibrated to some percent; a tenth is more than mounting and temperature do.
+MOST_MISCALIBRATED = 0.1
 # Springs are within a factor of 2 of what anyone expects; units (ft, lbf, g, in, mm) are off by more than 3.
 MOST_CHANGE = 3.0
 
@@ -44,13 +46,20 @@ def rests_on(car: Suspension, parameters: Sequence[str], *, still: Sequence[str]
         yield Check(Remark(EstimateCheck.SCALE), Level.NOTE)
 
 
-def gains_off(parameters: Sequence[str], values: RealArray) -> Iterator[Check]:
-    """Yield which gains are those of another unit."""
-    pairs = zip(parameters, values.tolist(), strict=True)
-    off = [f"{name} = {value:.3g}" for name, value in pairs if name.endswith(".gain") and not
-           1 / MOST_GAIN <= value <= MOST_GAIN]  # fmt: skip
-    if off:
-        yield Check(Remark(EstimateCheck.GAIN, {"names": tuple(off)}), Level.CARE)
+def gains_off(parameters: Sequence[str], values: RealArray, std: RealArray) -> Iterator[Check]:
+    """Yield which gains are those of another unit, and which are surely those of no calibrated sensor."""
+    far: list[str] = []
+    odd: list[str] = []
+    for name, value, sd in zip(parameters, values.tolist(), std.tolist(), strict=True):
+        if not name.endswith(".gain"):
+            continue
+        if not 1 / MOST_GAIN <= value <= MOST_GAIN:
+            far.append(f"{name} = {value:.3g}")
+        elif abs(value - 1) > MOST_MISCALIBRATED + SURE * sd:
+            odd.append(f"{name} = {value:.3g}")
+    for code, names in ((EstimateCheck.GAIN, far), (EstimateCheck.MISCALIBRATED, odd)):
+        if names:
+            yield Check(Remark(code, {"names": tuple(names)}), Level.CARE)
 
 
 def changed_check(names: tuple[str, ...]) -> Check:

@@ -213,6 +213,16 @@ class EstimateCheck(Code):
             "the sensors in the car file."
         ),
     )
+    MISCALIBRATED = (
+        "miscalibrated",
+        sentence(
+            lambda n: (
+                f"Gains more than a tenth from 1: {', '.join(n['names'])}. A damper that changed between records looks "
+                f"like a sensor of another gain. Estimate each record alone, and calibrate the sensors, or hold their "
+                f"gains at 1 ({Argument('gains', '()')})."
+            )
+        ),
+    )
     UNUSED = (
         "unused",
         _listed("Not used, because they measure nothing of the car, or a road that is not given: channels {names}."),
