@@ -522,3 +522,15 @@ class TestDriving:
         hertz = np.fft.rfftfreq(record.shape[1], 1 / RATE)
         lines[:, (hertz < 0.5) | (hertz > 25.0)] = 0.0
         np.testing.assert_allclose(whole, np.fft.irfft(lines, record.shape[1]), atol=1e-9)
+
+
+@pytest.mark.parametrize(("factor", "level"), [(1.0, Level.SOUND), (1.05, Level.CARE), (1.5, Level.DOUBTFUL)])
+def test_drives_of_two_cars_are_told(factor: float, level: Level) -> None:
+    """A sensor of another gain explains most of a damper that changed between two drives, and nobody may think so."""
+    other = QUARTER.with_parameters(damping={"chassis": 1300 * factor})
+    records = [record_of(*driven(car, seed, noise=NOISE)) for seed, car in ((1, QUARTER), (2, other))]
+    found = estimate(records, QUARTER, given=("tire",))
+    said = [check for check in found.verdict.checks if check.remark.code is EstimateCheck.NOT_ONE_CAR]
+    assert found.verdict.level is level
+    assert [check.level for check in said] == [level] * (factor > 1)
+    assert all(check.remark.numbers["name"] == "chassis.damping" for check in said)

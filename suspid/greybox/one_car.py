@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from suspid.greybox.fits import Fit
 from suspid.greybox.further import FurtherUnknowns
 from suspid.greybox.problem import Problem
 from suspid.greybox.responses import OutputError
@@ -20,6 +21,8 @@ from suspid.words.greybox import EstimateCheck
 # Share of the power of a residual that goes with a car of its own, from which on the records are not of one car. Noise
 # and what the car lacks in all records stay; k that differ by 1 % leave a tenth at 40 dB.
 MOST_GOES = 0.5
+# Relative difference from a joint value beyond which it is that of none of the cars: more than load and temperature do.
+MOST_APART = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -60,6 +63,41 @@ def one_car(problem: Problem, x: RealArray, noise: Sequence[RealArray], errors: 
         "each": each,
     }
     return Check(Remark(EstimateCheck.NOT_ONE_CAR, numbers), Level.DOUBTFUL if differ else Level.CARE)
+
+
+def not_one_car(joint: Fit, alone: Sequence[Fit | None], labels: Sequence[str]) -> tuple[Check, ...]:
+    """Return what fits of the records of each logger say against one car; None is one that determines nothing.
+
+    ``sum (x_i - m)^T C_i^-1 (x_i - m)`` with the weighted mean m is a chi-square, of as many degrees of freedom as
+    there are unknowns of the car in all fits but one.
+    """
+    n = len(labels)
+    at = [i for i, fit in enumerate(alone) if fit is not None]
+    fits = [fit for fit in alone if fit is not None]
+    if len(fits) < 2:
+        return ()
+    x = np.array([fit.x[:n] for fit in fits])
+    weights = np.array([np.linalg.pinv(fit.covariance[:n, :n], hermitian=True) for fit in fits])
+    mean = np.linalg.pinv(weights.sum(axis=0), hermitian=True) @ np.einsum("kij,kj->i", weights, x)
+    squares = np.einsum("ki,kij,kj->k", x - mean, weights, x - mean)
+    freedom = (len(fits) - 1) * n
+    if likely(float(squares.sum()), freedom):
+        return ()
+    std = np.sqrt([np.diag(fit.covariance)[:n] for fit in fits])
+    from_joint = x - joint.x[:n]
+    sizes = np.abs(from_joint) / np.where(std > 0, std, np.inf)
+    worst, moved = (int(i) for i in np.unravel_index(int(np.argmax(sizes)), sizes.shape))
+    change = float(from_joint[worst, moved] / joint.x[moved])
+    numbers: dict[str, Number] = {
+        "record": at[worst] + 1,
+        "name": labels[moved],
+        "change": change,
+        "chi_square": float(squares.sum()),
+        "freedom": freedom,
+        "each": all(fit.explains for fit in fits),
+    }
+    level = Level.DOUBTFUL if abs(change) > MOST_APART else Level.CARE
+    return (Check(Remark(EstimateCheck.NOT_ONE_CAR, numbers), level),)
 
 
 def _alone(problem: Problem, i: int, x: RealArray, noise: RealArray, error: OutputError) -> _Alone:

@@ -74,9 +74,10 @@ class EstimateHeadline(Code):
 
 def _not_one_car(numbers: Numbers) -> str:
     change = 100 * numbers["change"]
+    goes = f", and {numbers['share']:.2g} of the power of its residual goes" if "share" in numbers else ""
     return (
         f"The records are not of one car: fitted alone, record {numbers['record']} has {numbers['name']} "
-        f"{change:+.2g} % from the value above, and {numbers['share']:.2g} of the power of its residual goes "
+        f"{change:+.2g} % from the value above{goes} "
         f"(chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}). The intervals do not allow for it. "
         f"Estimate each record alone and compare."
     )
