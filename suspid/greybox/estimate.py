@@ -59,7 +59,8 @@ def estimate(
     ----------
     records : control.TimeResponseData, RecordTest, what `as_record` takes, or a sequence of them
         Measured motions as outputs, named as the outputs of `statespace` or as the sensors of the suspension, in SI
-        units; a unit in brackets behind the name, ``"chassis [mm]"``, is converted. Causes are inputs or outputs.
+        units; a unit in brackets behind the name, ``"chassis [mm]"``, is converted. Causes are inputs or outputs. Of
+        several the verdict says where they are not of one car with the same springs and dampers.
     suspension : Suspension
         Known masses and topology; its k and c are the nominal values: the start, and the values of fixed parameters. A
         strut of nominal stiffness 0 is a damper alone and stays one.
