@@ -123,6 +123,11 @@ class TestBound:
         size[size == 0] = 1.0
         np.testing.assert_allclose(found.covariance / size, alone.covariance / size, atol=1e-3)
 
+    def test_one_decay_alone_agrees_with_nothing(self) -> None:
+        found = identify_repeats(record(decays()[:1], std=3e-4, seed=1), spans()[:1])
+        (row,) = {line.split(None, 1)[1].strip() for line in found.details().splitlines() if line.count("–") == 3}
+        assert row.split()[:3] == ["–"] * 3
+
 
 class TestAgreement:
     def test_linear_repeats_agree(self) -> None:

@@ -10,7 +10,7 @@ from suspid.files import printable
 from suspid.identification.nonlinear import AmplitudeDependence
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.text_tables import COLUMN_GAP, TERMINAL, sentence_table, text_table
+from suspid.text_tables import COLUMN_GAP, NOTHING, TERMINAL, sentence_table, text_table
 from suspid.wavelets import Ridge
 from suspid.wording import WayOut
 
@@ -83,9 +83,9 @@ def tables_of_repeats(found: Repeats) -> str:
         return f"no mode in all of {len(found.spans)} decays\n\n{singles}"
     agreement = {
         "mode": [str(i + 1) for i in range(len(found.modes))],
-        "disagreement, chi-square": [f"{a.chi_square:.1f}" for a in found.consistency],
-        "degrees of freedom": [str(a.freedom) for a in found.consistency],
-        "probability": [f"{a.probability:.2g}" for a in found.consistency],
+        "disagreement, chi-square": [f"{a.chi_square:.1f}" if a.freedom else NOTHING for a in found.consistency],
+        "degrees of freedom": [str(a.freedom or NOTHING) for a in found.consistency],
+        "probability": [f"{a.probability:.2g}" if a.freedom else NOTHING for a in found.consistency],
         "residual / noise": [f"{value:.3g}" for value in found.loudness],
     }
     return f"{found.modes}\n\n{text_table(agreement, widest=TERMINAL)}\n\n{singles}"

@@ -123,8 +123,9 @@ def repeat_rows(repeats: Repeats, level: Ratio) -> RepeatRows:
             frequency=frequency,
             wn=wn,
             zeta=zeta,
-            chi_square=f"{agreement.chi_square:.1f}",
-            freedom=f"{agreement.freedom}",
+            # A mode of one decay alone agrees with nothing.
+            chi_square=f"{agreement.chi_square:.1f}" if agreement.freedom else NOTHING,
+            freedom=f"{agreement.freedom}" if agreement.freedom else NOTHING,
             chance=_or_nothing(agreement.probability, "{:.2g}"),
         )
         for (frequency, wn, zeta), agreement in zip(
