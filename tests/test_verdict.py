@@ -406,7 +406,9 @@ def test_many_channels_fit_a_screen() -> None:
     found = identify(motion + 3 * np.std(motion) * rng.standard_normal(motion.shape), fs=50.0)
     assert len(found.explained) == count
     text = str(found)
-    assert f"… and {count - 24} more in .explained" in text
+    assert f"… and {count - 24} more in .details()" in text
+    assert "more in" not in found.details()
+    assert all(f" {name} " in found.details() for name in found.modes.channels)
     (check,) = said(found.verdict, ModeCheck.CHANNELS_UNEXPLAINED)
     assert str(check.remark).count("%") == 6
     assert " others. They carry noise" in str(check.remark)

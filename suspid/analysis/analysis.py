@@ -203,7 +203,24 @@ class Analysis(Result):
         return "; ".join([self.modes._brief(), *([springs._brief()] if springs is not None else [])])
 
     def __str__(self) -> str:
-        parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]
+        return self._text(whole=False)
+
+    def details(self) -> str:
+        """Return the tables with all amplitudes, channels and rejected poles, springs and dampers, and the verdict.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import analyse
+        >>> t = np.arange(0, 3, 0.01)
+        >>> print(analyse((t, np.exp(-t) * np.cos(20 * t))).details().splitlines()[-1])
+        Verdict: 1 mode found: sound. Every check that could be made was passed.
+        """
+        return self._text(whole=True)
+
+    def _text(self, *, whole: bool) -> str:
+        modes = self.identification
+        parts = [tables_of(modes, whole=whole) if self.repeats is None else tables_of_repeats(self.repeats)]
         if self.estimate is not None:
             parts.append(parameter_table(self.estimate))
         elif self.reconstruction is not None:

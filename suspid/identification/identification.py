@@ -272,6 +272,19 @@ class Identification(Result):
     def __str__(self) -> str:
         return f"{tables_of(self)}\n\n{self.verdict}"
 
+    def details(self) -> str:
+        """Return the tables with all amplitudes, channels and rejected poles, and the verdict.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import identify
+        >>> t = np.arange(0, 3, 0.01)
+        >>> print(identify((t, np.exp(-t) * np.cos(20 * t))).details().splitlines()[-1])
+        Verdict: 1 mode found: sound. Every check that could be made was passed.
+        """
+        return f"{tables_of(self, whole=True)}\n\n{self.verdict}"
+
 
 def as_displacements(modes: ModalSet) -> ComplexArray:
     """Return shapes whose velocities and accelerations are divided by the pole and its square, where names say so."""

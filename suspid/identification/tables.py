@@ -19,15 +19,16 @@ if TYPE_CHECKING:
     from suspid.identification.repeats import Repeats
 
 
-# Where the poles, and the channels, are that a table has no room for.
-WHERE_ALL_ARE = WayOut(" in .considered", "modes", "; --json FILE has all", "")
-WHERE_CHANNELS_ARE = WayOut(" in .explained and .noise_std", "modes", "; --json FILE has all", "")
-# Channels in a table: with the tables of the modes they fill a screen.
+# Where the rows are that a table has no room for.
+WHERE_ALL_ARE = WayOut(" in .details()", "modes", "; --json FILE has all", "")
+# Rows of a table that fits a screen beside the others: of channels, of rejected poles, of amplitudes of a mode.
 MOST_CHANNELS_LISTED = 24
+MOST_REJECTED_LISTED = 6
+MOST_AMPLITUDES_LISTED = 5
 
 
-def tables_of(found: Identification) -> str:
-    """Return the tables of modes, quality, channels and rejected poles, without the verdict."""
+def tables_of(found: Identification, *, whole: bool = False) -> str:
+    """Return the tables of modes, quality, channels and rejected poles: the rows that fit a screen, or the whole."""
     parts = []
     if len(found.modes):
         quality = {
@@ -40,7 +41,7 @@ def tables_of(found: Identification) -> str:
     else:
         parts.append("no mode")
     varying = [(mode, each) for mode, each in enumerate(found.amplitude_dependence, 1) if each.varies]
-    parts += [text_table(_amplitude_columns(mode, each), widest=TERMINAL) for mode, each in varying]
+    parts += [_of_amplitudes(mode, each, whole=whole) for mode, each in varying]
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
     names = as_signal(held(found, "response")).channels
@@ -50,20 +51,18 @@ def tables_of(found: Identification) -> str:
         "noise std": [f"{std:.3g}" for std in found.noise_std],
         "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],
     }
-    first = {heading: cells[:MOST_CHANNELS_LISTED] for heading, cells in channels.items()}
-    more = len(names) - MOST_CHANNELS_LISTED
-    parts.append(text_table(first, widest=TERMINAL) + (f"\n… and {more} more{WHERE_CHANNELS_ARE}" if more > 0 else ""))
+    listed = len(names) if whole else MOST_CHANNELS_LISTED
+    first = {heading: cells[:listed] for heading, cells in channels.items()}
+    parts.append(text_table(first, widest=TERMINAL) + _more(len(names) - listed))
     if found.considered:
-        # Rejected poles that the table shows; the rest is counted.
-        shown = found.considered[:6]
+        shown = found.considered if whole else found.considered[:MOST_REJECTED_LISTED]
         others = {
             "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
             "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
         }
         width = TERMINAL - len(text_table(others).partition("\n")[0]) - COLUMN_GAP
         table = sentence_table(others, "why", [[c.reason] for c in shown], width)
-        more = len(found.considered) - len(shown)
-        parts.append(table + (f"\n… and {more} more{WHERE_ALL_ARE}" if more else ""))
+        parts.append(table + _more(len(found.considered) - len(shown)))
     return "\n\n".join(parts)
 
 
@@ -89,6 +88,19 @@ def tables_of_repeats(found: Repeats) -> str:
         "residual / noise": [f"{value:.3g}" for value in found.loudness],
     }
     return f"{found.modes}\n\n{text_table(agreement, widest=TERMINAL)}\n\n{singles}"
+
+
+def _more(rows: int) -> str:
+    """Return a line that says how many rows a table has no room for, if any."""
+    return f"\n… and {rows} more{WHERE_ALL_ARE}" if rows > 0 else ""
+
+
+def _of_amplitudes(mode: int, each: AmplitudeDependence, *, whole: bool) -> str:
+    """Return the table of a mode over its amplitude, of all or of some from the largest to the smallest."""
+    columns, count = _amplitude_columns(mode, each), len(each.amplitude)
+    rows = np.unique(np.linspace(0, count - 1, count if whole else min(count, MOST_AMPLITUDES_LISTED)).round())
+    cells = {heading: [column[int(i)] for i in rows] for heading, column in columns.items()}
+    return text_table(cells, widest=TERMINAL) + _more(count - len(rows))
 
 
 def _amplitude_columns(mode: int, each: AmplitudeDependence) -> dict[str, list[str]]:
