@@ -85,6 +85,28 @@ def test_means_over_two_lengths_must_agree(second: float, used: bool, monkeypatc
     assert [note.code for note in found.notes] == ([Note.MEANS] if used else [])
 
 
+@pytest.mark.parametrize(("zeta", "used"), [(0.5, True), (0.93, False)])
+def test_a_mode_that_never_swings_is_none_of_means(zeta: float, used: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A car that is pushed again and again left one of zeta 0.93 beside its own, in means over two lengths."""
+    time = np.arange(4000) / 1000
+    rng = np.random.default_rng(1)
+
+    def two_modes(record: object, _: Settings) -> object:
+        t = np.asarray(record.time)  # type: ignore[attr-defined]
+        fast = np.exp(-zeta * 60 * t) * np.cos(60 * np.sqrt(1 - zeta**2) * t)
+        values = np.exp(-0.8 * t) * np.cos(9 * t) + fast + 1e-4 * rng.standard_normal(t.size)
+        return identify(as_response(t, values[None], ["seat"]))
+
+    levels = iter([Level.DOUBTFUL, *[Level.CARE] * 3])
+    monkeypatch.setattr(means, "tried", two_modes)
+    monkeypatch.setattr(means, "level_of", lambda *_: next(levels))
+    record = as_response(time, rng.standard_normal((1, 4000)), ["seat"])
+    doubted = two_modes(record, Settings())
+    best = Used(record=record, decays=(), used=(), notes=(), identification=doubted)  # type: ignore[arg-type]
+    found = means.with_means(record, best, Settings())
+    assert [note.code for note in found.notes] == ([Note.MEANS] if used else [])
+
+
 def test_means_call_for_care() -> None:
     time = np.arange(800) / 200
     values = np.exp(-0.8 * time) * np.cos(31 * time) + 1e-3 * np.random.default_rng(1).standard_normal(time.size)

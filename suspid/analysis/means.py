@@ -12,6 +12,7 @@ from suspid.analysis.choice import level_of, tried
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.used import Used, used_of
 from suspid.decays import Decays, block_means, by_chance
 from suspid.identification import FEWEST_SAMPLES, Identification
@@ -34,7 +35,8 @@ OTHERS_IN_MEANS = 2
 def with_means(record: control.TimeResponseData, used: Used, settings: Settings) -> Used:
     """Return the part of a record that is used of means over several samples, if that of all samples is doubtful.
 
-    In means over blocks of two lengths the same modes must be found, and neither be doubtful.
+    In means over blocks of two lengths the same modes must be found, neither be doubtful, and no mode be damped before
+    it swings.
     """
     if settings.decay != "auto" or settings.method != "likelihood" or len(used.used) > 1:
         return used
@@ -82,7 +84,7 @@ def _agreed(part: Used, settings: Settings) -> Used | None:
             continue
         means = means_of(part.record, size)
         found = tried(means, settings)
-        if found is None or level_of(found, part.used) <= Level.DOUBTFUL:
+        if found is None or _never_swings(found) or level_of(found, part.used) <= Level.DOUBTFUL:
             continue
         same = next((one for one, other in before if _same(other, found)), None)
         if same is not None:
@@ -98,6 +100,11 @@ def _fastest(part: Used) -> RadianPerSecond:
     of_found = np.zeros(0) if found is None else found.modes.wn
     wn = part.used[0].wn if part.used else of_found
     return float(np.max(wn)) if wn.size else np.inf
+
+
+def _never_swings(found: Identification) -> bool:
+    """Return whether a mode is damped before it swings: beside others it may be what forces left, not a mode."""
+    return bool(np.any(found.modes.zeta > NO_CYCLE))
 
 
 def _same(one: Identification, other: Identification) -> bool:
