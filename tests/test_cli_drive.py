@@ -443,6 +443,7 @@ class TestShort:
         assert "The longest usable stretch has 6 s of the 10 s that one must have" in done.output
         assert "(--shortest)" in done.output
 
+    @pytest.mark.slow
     def test_stretches_are_shown_where_no_car_can_be_estimated(self, folder: Path) -> None:
         """As with the sensor of the body logged under the name of the wheel."""
         times, channels = drive()

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from suspid import Identification, identify
+from suspid import Identification, analyse, identify
 from suspid.identification.by_likelihood import _fewer
 from suspid.identification.noise import noise_of
 from suspid.identification.pulses import one_shape
 from suspid.identification.selection import select
 from suspid.records import as_response
 from suspid.units import RealArray
-from suspid.words import Reason
+from suspid.words import Level, Reason
+from validation import no_decay
 
 TIME = np.arange(1500) / 200.0
 RNG = np.random.default_rng
@@ -125,3 +126,11 @@ class TestPulses:
         motion = np.sin(3 * TIME)
         assert one_shape(np.array([motion, -2 * motion]), np.array([0.1, 0.1]), 4)
         assert not one_shape(np.array([motion, np.cos(3 * TIME)]), np.array([0.1, 0.1]), 4)
+
+
+@pytest.mark.slow
+def test_a_stop_is_looked_through_without_a_word_of_numpy() -> None:
+    """Steps of a fit with forces overflow on this one; warnings are errors here."""
+    time, values = no_decay.braking(np.random.default_rng(760_025))
+    found = analyse(as_response(time, values, [f"y{k}" for k in range(len(values))]))
+    assert not len(found.modes) or found.verdict.level <= Level.DOUBTFUL

@@ -52,7 +52,8 @@ def signal(values: Real) -> Signal:
 
 
 @pytest.mark.parametrize(
-    ("force", "seed"), [(rolling, 2), pytest.param(rolling, 7, marks=pytest.mark.slow), (swept, 5)]
+    ("force", "seed"),
+    [(rolling, 2), *(pytest.param(*more, marks=pytest.mark.slow) for more in ((rolling, 7), (swept, 5)))],
 )
 def test_the_first_command_finds_the_free_end(force: Callable[[int], Real], seed: int) -> None:
     found = analyse(as_response(TIME, motion(force(seed))[None], ["seat"]))

@@ -37,6 +37,8 @@ PROMISED_REACH = 1.0
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 
 
+# Steps that lead nowhere may overflow; what is not finite is refused.
+@np.errstate(over="ignore", invalid="ignore")
 def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float) -> StructureFit | None:
     """Return the structure of least BIC near a linear fit or one with forces.
 
