@@ -192,16 +192,16 @@ def uniform_step(timepts: RealArray) -> Second:
             f"(next stamp {timepts[k + 1]:g} s); sort the record or remove the repeated samples"
         )
     step = float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
-    steps = np.diff(timepts)
-    usual, longest = float(np.median(steps)), int(np.argmax(steps))
-    if steps[longest] > GAP * usual:
-        raise RecordError(
-            f"time has a gap: after t = {timepts[longest]:.9g} s the next stamp is {steps[longest]:g} s later, but the "
-            f"usual step is {usual:g} s; use the part before or after it, or fill it on a uniform grid"
-        )
     astray = np.abs(timepts - (timepts[0] + step * np.arange(len(timepts)))) / step
     worst = int(np.argmax(astray))
     if astray[worst] > JITTER:
+        steps = np.diff(timepts)
+        usual, longest = float(np.median(steps)), int(np.argmax(steps))
+        if steps[longest] > GAP * usual:
+            raise RecordError(
+                f"time has a gap: after t = {timepts[longest]:.9g} s the next stamp is {steps[longest]:g} s later, but "
+                f"the usual step is {usual:g} s; use the part before or after it, or fill it on a uniform grid"
+            )
         raise RecordError(
             f"time is irregular: the stamp t = {timepts[worst]:g} s lies {astray[worst]:.2g} steps off a uniform grid "
             f"of {step:g} s; resample the record, or give "

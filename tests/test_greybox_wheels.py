@@ -27,6 +27,7 @@ from suspid import (
 from suspid.greybox.frequency_domain import _sandwich
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels, Shared, covariance_of, levels_of, node_basis, shared_of
+from suspid.greybox.one_car import not_one_car_in_drives
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.wheel_power import tracks_of
@@ -534,3 +535,14 @@ def test_drives_of_two_cars_are_told(factor: float, level: Level) -> None:
     assert found.verdict.level is level
     assert [check.level for check in said] == [level] * (factor > 1)
     assert all(check.remark.numbers["name"] == "chassis.damping" for check in said)
+
+
+def test_a_damper_that_is_zero_in_the_joint_fit_changes_by_no_percent() -> None:
+    """Of two loggers the second has records from the third on, and says so."""
+    fits = [SimpleNamespace(x=np.array([1.0, c]), covariance=1e-4 * np.eye(2), explains=True) for c in (0.0, 0.5)]
+    joint: Any = SimpleNamespace(x=np.array([1.0, 0.0]))
+    alone: Any = {0: fits[0], 2: fits[1]}
+    (check,) = not_one_car_in_drives(joint, alone, ("chassis.stiffness", "tire.damping"))
+    assert check.level is Level.DOUBTFUL
+    assert "record 3 has tire.damping that is not zero as above" in str(check)
+    assert check.remark.numbers["chi_square"] == pytest.approx(0.5**2 / 2e-4)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from suspid.errors import EstimationError
 from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import label
-from suspid.greybox.one_car import not_one_car
+from suspid.greybox.one_car import not_one_car_in_drives
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_problem import band_of, by_logger, wheel_problem
@@ -20,7 +21,6 @@ from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.signals import PASSED
 from suspid.units import Hertz, Ratio, Second
-from suspid.words import Check
 
 # Agreement of the nominal car with a record at some lag, over that at any other, from which the lag is believed: a
 # periodic motion agrees at many.
@@ -46,35 +46,21 @@ def fit_drives(
         lags.append(lag * trials[numbers[0]].step)
         for i in numbers:
             shifted[i] = _in_step(car, trials[i], lag)
-    fit = fit_in_frequency(wheel_problem(car, shifted, unknowns, delays=delays, band=band, **options))
-    fit = replace(fit, checks=(*_not_one_car(fit, car, shifted, unknowns, delays, band, options), *fit.checks))
+
+    def fitted(some: Sequence[Trial]) -> Fit:
+        return fit_in_frequency(wheel_problem(car, some, unknowns, delays=delays, band=band, **options))
+
+    fit, alone = fitted(shifted), dict[int, Fit]()
+    for numbers in groups if len(groups) > 1 else ():
+        with suppress(EstimationError):
+            alone[numbers[0]] = fitted([shifted[i] for i in numbers])
+    fit = replace(fit, checks=(*not_one_car_in_drives(fit, alone, unknowns.labels), *fit.checks))
     late = {
         f"{label(trials[numbers[0]].channels[c], i, len(groups))}.delay": lag
         for i, (numbers, lag) in enumerate(zip(groups, lags, strict=True))
         for c in layout_of(car, trials[numbers[0]]).causes
     }
     return replace(fit, extra_values=fit.extra_values + [late.get(name, 0.0) for name in fit.extras])
-
-
-def _not_one_car(
-    fit: Fit,
-    car: Suspension,
-    trials: Sequence[Trial],
-    unknowns: Unknowns,
-    delays: Sequence[str] | None,
-    band: tuple[Hertz, Hertz] | None,
-    options: Mapping[str, Any],
-) -> tuple[Check, ...]:
-    """Return what the records of each logger, fitted alone, say against one car in all."""
-    groups = by_logger(trials)
-    alone: list[Fit | None] = []
-    for numbers in groups if len(groups) > 1 else ():
-        own = [trials[i] for i in numbers]
-        try:
-            alone.append(fit_in_frequency(wheel_problem(car, own, unknowns, delays=delays, band=band, **options)))
-        except EstimationError:
-            alone.append(None)
-    return not_one_car(fit, alone, unknowns.labels)
 
 
 def _in_step(car: Suspension, trial: Trial, lag: int) -> Trial:

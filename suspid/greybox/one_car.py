@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,20 +35,21 @@ class _Alone:
     white: bool  # whether noise is left
 
 
-def one_car(problem: Problem, x: RealArray, noise: Sequence[RealArray], errors: Sequence[OutputError]) -> Check | None:
-    """Return what speaks against one car in all records, given their fit; None where nothing does.
+def not_one_car_in_time(
+    problem: Problem, x: RealArray, noise: Sequence[RealArray], errors: Sequence[OutputError]
+) -> tuple[Check, ...]:
+    """Return what speaks against one car in all records, given their fit.
 
     A gain that is no chance counts where cars of their own leave white noise; colour raises it too.
     """
-    count = len(problem.trials)
-    if count < 2:
-        return None
+    if len(problem.trials) < 2:
+        return ()
     found = [_alone(problem, i, x, noise[i], error) for i, error in enumerate(errors)]
-    chi_square, freedom = sum(one.gain for one in found), (count - 1) * len(x)
+    chi_square, freedom = sum(one.gain for one in found), (len(found) - 1) * len(x)
     each = all(one.white for one in found)
     differ = max(one.goes for one in found) > MOST_GOES
     if likely(chi_square, freedom) or not (differ or each):
-        return None
+        return ()
     worst = int(np.argmax([one.goes for one in found]))
     own, (_, slope) = found[worst].x, problem.compressed(errors[worst], noise[worst])
     # Of the unknowns that differ the one that moves the record most.
@@ -57,47 +58,49 @@ def one_car(problem: Problem, x: RealArray, noise: Sequence[RealArray], errors: 
         "record": worst + 1,
         "share": found[worst].goes,
         "name": problem.unknowns.labels[moved],
-        "change": float(own[moved] / x[moved] - 1),
+        "change": _change(own[moved], x[moved]),
         "chi_square": chi_square,
         "freedom": freedom,
         "each": each,
     }
-    return Check(Remark(EstimateCheck.NOT_ONE_CAR, numbers), Level.DOUBTFUL if differ else Level.CARE)
+    return (Check(Remark(EstimateCheck.NOT_ONE_CAR, numbers), Level.DOUBTFUL if differ else Level.CARE),)
 
 
-def not_one_car(joint: Fit, alone: Sequence[Fit | None], labels: Sequence[str]) -> tuple[Check, ...]:
-    """Return what fits of the records of each logger say against one car; None is one that determines nothing.
+def not_one_car_in_drives(joint: Fit, alone: Mapping[int, Fit], labels: Sequence[str]) -> tuple[Check, ...]:
+    """Return what fits of the records of each logger, by the number of its first record, say against one car in all.
 
     ``sum (x_i - m)^T C_i^-1 (x_i - m)`` with the weighted mean m is a chi-square, of as many degrees of freedom as
     there are unknowns of the car in all fits but one.
     """
-    n = len(labels)
-    at = [i for i, fit in enumerate(alone) if fit is not None]
-    fits = [fit for fit in alone if fit is not None]
-    if len(fits) < 2:
+    if len(alone) < 2:
         return ()
+    n, fits = len(labels), list(alone.values())
     x = np.array([fit.x[:n] for fit in fits])
     weights = np.array([np.linalg.pinv(fit.covariance[:n, :n], hermitian=True) for fit in fits])
     mean = np.linalg.pinv(weights.sum(axis=0), hermitian=True) @ np.einsum("kij,kj->i", weights, x)
-    squares = np.einsum("ki,kij,kj->k", x - mean, weights, x - mean)
+    chi_square = float(np.einsum("ki,kij,kj->", x - mean, weights, x - mean))
     freedom = (len(fits) - 1) * n
-    if likely(float(squares.sum()), freedom):
+    if likely(chi_square, freedom):
         return ()
     std = np.sqrt([np.diag(fit.covariance)[:n] for fit in fits])
-    from_joint = x - joint.x[:n]
-    sizes = np.abs(from_joint) / np.where(std > 0, std, np.inf)
+    sizes = np.abs(x - joint.x[:n]) / np.where(std > 0, std, np.inf)
     worst, moved = (int(i) for i in np.unravel_index(int(np.argmax(sizes)), sizes.shape))
-    change = float(from_joint[worst, moved] / joint.x[moved])
+    change = _change(x[worst, moved], joint.x[moved])
     numbers: dict[str, Number] = {
-        "record": at[worst] + 1,
+        "record": list(alone)[worst] + 1,
         "name": labels[moved],
         "change": change,
-        "chi_square": float(squares.sum()),
+        "chi_square": chi_square,
         "freedom": freedom,
         "each": all(fit.explains for fit in fits),
     }
-    level = Level.DOUBTFUL if abs(change) > MOST_APART else Level.CARE
+    level = Level.CARE if change is not None and abs(change) <= MOST_APART else Level.DOUBTFUL
     return (Check(Remark(EstimateCheck.NOT_ONE_CAR, numbers), level),)
+
+
+def _change(own: float, joint: float) -> float | None:
+    """Return the relative change from a joint value; None from a damper that is zero there."""
+    return float(own / joint - 1) if joint else None
 
 
 def _alone(problem: Problem, i: int, x: RealArray, noise: RealArray, error: OutputError) -> _Alone:

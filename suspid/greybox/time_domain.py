@@ -13,7 +13,7 @@ from suspid.greybox.caused_residual import caused_share
 from suspid.greybox.causes import dies_down
 from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
-from suspid.greybox.one_car import one_car
+from suspid.greybox.one_car import not_one_car_in_time
 from suspid.greybox.problem import Problem
 from suspid.greybox.responses import OutputError
 from suspid.greybox.search import SAME_FIT, Found, descended, search
@@ -67,8 +67,7 @@ def fit_in_time(problem: Problem) -> Fit:
         whole, u.labels, u.suspension(best.x), relative=shares_of(size, best.x), hint=_perhaps_driven(problem)
     )
     chi_square, freedom, explains, judged = _judged(problem, errors, noise)
-    disagree = one_car(problem, best.x, noise, errors)
-    checks = [judged] if disagree is None else [disagree, judged]
+    checks = [*not_one_car_in_time(problem, best.x, noise, errors), judged]
     if len(prior) and len(blind(data * size)):
         checks.append(
             Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(data * size), u.labels)}), Level.CARE)

@@ -73,13 +73,13 @@ class EstimateHeadline(Code):
 
 
 def _not_one_car(numbers: Numbers) -> str:
-    change = 100 * numbers["change"]
+    change, none = numbers["change"], "that is not zero as above"
+    moved = none if change is None else f"{100 * change:+.2g} % from the value above"
     goes = f", and {numbers['share']:.2g} of the power of its residual goes" if "share" in numbers else ""
     return (
         f"The records are not of one car: fitted alone, record {numbers['record']} has {numbers['name']} "
-        f"{change:+.2g} % from the value above{goes} "
-        f"(chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}). The intervals do not allow for it. "
-        f"Estimate each record alone and compare."
+        f"{moved}{goes} (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}). The intervals do not allow "
+        f"for it. Estimate each record alone and compare."
     )
 
 
