@@ -330,6 +330,9 @@ def test_a_report_of_two_cars_does_not_call_their_decays_driven(files: Path) -> 
     assert result.exit_code == 0, result.output
     assert "taken as the cause" not in result.stderr
     assert "something changed between them" in (files / "p.html").read_text(encoding="utf-8")
+    found = run("estimate", *names, "--car", files / "car.toml")
+    assert "taken as the cause" not in found.stderr
+    assert "The records are not of one car" in found.stdout
 
 
 @pytest.mark.slow

@@ -184,7 +184,12 @@ class TestShown:
 
     def test_in_text_json_and_picture(self) -> None:
         found = self.found()
-        assert "amplitude in x" in str(found)
+        (each,) = found.amplitude_dependence
+        rows = [f"{amplitude:.3g}" for amplitude in each.amplitude]
+        for text, shown in ((str(found), 5), (found.details(), len(rows))):
+            table = text.partition("amplitude in x")[2].partition("\n\n")[0]
+            assert [line.split()[0] for line in table.splitlines()[2 : 2 + shown]][:: shown - 1] == [rows[0], rows[-1]]
+            assert ("more in .details()" in table) is (shown < len(rows))
         content = json.loads(json.dumps(identification_to_dict(found, file="x.csv", warnings=())))
         assert content["forces"][0]["kind"] == "friction"
         assert len(content["amplitude_dependence"][0]["zeta"]) == len(found.amplitude_dependence[0].zeta)
