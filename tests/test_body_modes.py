@@ -41,7 +41,7 @@ def record(values: RealArray, name: str = "body") -> object:
     return as_response(np.asarray(STEP * np.arange(values.size), float), values[None], [name])
 
 
-@pytest.mark.parametrize("exponent", [1.6, 2.0, 2.5])
+@pytest.mark.parametrize("exponent", [1.6, *(pytest.param(more, marks=pytest.mark.slow) for more in (2.0, 2.5))])
 @pytest.mark.parametrize("zeta", [0.2, 0.4])
 def test_the_interval_holds_the_natural_frequency(exponent: float, zeta: float) -> None:
     held = []

@@ -422,7 +422,7 @@ class TestShort:
         assert "short.csv: " in done.output
         assert "only 1 sample" in done.output
 
-    @pytest.mark.parametrize("beside", [True, False])
+    @pytest.mark.parametrize("beside", [True, pytest.param(False, marks=pytest.mark.slow)])
     def test_one_that_cannot_be_judged_is_a_stretch_that_is_left(self, folder: Path, beside: bool) -> None:
         """It does not keep others from being used."""
         times, channels = drive()

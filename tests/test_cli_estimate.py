@@ -260,7 +260,7 @@ class TestDrive:
         ("name", "said"),
         [
             ("reversed", "With the sign of tire_acceleration reversed the car explains the records"),
-            ("exchanged", "acceleration exchanged the car explains the records"),
+            pytest.param("exchanged", "acceleration exchanged the car explains the records", marks=pytest.mark.slow),
             ("dead", "channel 'tire_acceleration' from 0 to 9.995 s: constant at 0"),
         ],
     )

@@ -42,6 +42,7 @@ class TestInput:
         assert run(f"reconstruct {modes} -", CAR.read_bytes()).stdout == expected
         assert "no value changed" in run(f"compare - {modes}", modes.read_bytes()).stdout
 
+    @pytest.mark.usefixtures("words_alone")
     def test_a_car_beside_a_record(self, tmp_path: Path) -> None:
         written = run(f"report {RECORD} --car - --modes 3 -o {tmp_path / 'page.html'}", CAR.read_bytes())
         assert written.exit_code == 0, written.output

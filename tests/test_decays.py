@@ -66,9 +66,8 @@ class TestNothingDecays:
         assert [remark.code for remark in decays.remarks] == [DecayRemark.NO_EVENT]
         assert decays.verdict.level is Level.NONE
 
-    @pytest.mark.parametrize(
-        "seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)]
-    )
+    @pytest.mark.slow
+    @pytest.mark.parametrize("seed", range(3))
     def test_a_random_walk_and_its_rate_through_a_resonance(self, seed: int) -> None:
         from scipy.signal import lfilter
 
@@ -95,7 +94,7 @@ class TestNothingDecays:
 class TestStart:
     """A decay that begins at a known sample begins there, to within a few samples of it, or later by a little."""
 
-    @pytest.mark.parametrize("seed", range(2))
+    @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
     def test_three_releases(self, seed: int) -> None:
         starts = (11.0, 27.3, 44.1)
         decays = find_decays(released(starts, seed=seed))
@@ -185,6 +184,7 @@ class TestDoubts:
         decays = find_decays(response(values))
         assert all(DecayDoubt.FEW_CYCLES in codes(decay) for decay in decays)
 
+    @pytest.mark.slow
     def test_what_is_mostly_driven_casts_doubt_on_the_rest(self) -> None:
         """A car on a rough road, its road's roughness in bursts: nothing is beyond doubt."""
         from scipy.signal import lfilter

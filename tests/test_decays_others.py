@@ -66,7 +66,7 @@ def test_a_doubted_decay_among_many_with_other_modes_is_doubted_more() -> None:
     assert DecayDoubt.COMPANY not in {doubt.code for doubt in last.doubts}
 
 
-@pytest.mark.parametrize("seed", [901, 911])
+@pytest.mark.parametrize("seed", [901, pytest.param(911, marks=pytest.mark.slow)])
 def test_a_pulse_that_never_swings_is_no_decay(seed: int) -> None:
     from validation import no_decay
 

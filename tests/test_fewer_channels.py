@@ -55,6 +55,7 @@ def test_channels_that_are_named_are_all_used(tmp_path: Path) -> None:
     assert Note.FEWER_CHANNELS not in {note.code for note in found.notes}
 
 
+@pytest.mark.slow
 def test_good_channels_stay(tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "good.csv", swing(), np.round(0.7 * swing())))
     assert found.modes.channels == ("Encoder 1", "Encoder 2")

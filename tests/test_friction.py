@@ -86,7 +86,7 @@ class TestStartsAndEnds:
 class TestHeldAndStopped:
     """Few cycles between a hold and a dead stop: no sum of damped exponentials follows them."""
 
-    @pytest.mark.parametrize("swings", [5, 7])
+    @pytest.mark.parametrize("swings", [5, pytest.param(7, marks=pytest.mark.slow)])
     def test_a_decay_begins_where_a_mass_is_let_go_and_has_one_mode(self, swings: int) -> None:
         held, wn, step = 0.02, 40.0, 0.01
         # Each swing of pi / wn ends 2 F / k nearer to rest.

@@ -379,7 +379,7 @@ class TestAnyDamage:
         savemat(stream, content, do_compression=compressed)  # type: ignore[arg-type]  # the stubs know paths only
         self.recording_or_refusal(scratch / "r.mat", stream.getvalue(), data)
 
-    @settings(FUZZ, max_examples=40)
+    @settings(FUZZ, max_examples=20)
     @given(data=st.data())
     def test_v73(self, scratch: Path, data: st.DataObject) -> None:
         sound = scratch / "s.mat"

@@ -64,7 +64,7 @@ def test_a_pendulum_has_one_mode_whose_frequency_falls_with_its_swing(tmp_path: 
     one_mode(found, rtol=0.005)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 5))])
 def test_noise_that_fades_is_no_decay(seed: int) -> None:
     time = np.arange(3000) / RATE
     values = np.exp(-0.05 * time) * np.random.default_rng(seed).standard_normal((1, time.size))
@@ -78,7 +78,7 @@ def test_a_swing_that_keeps_its_size_does_not_fall() -> None:
     assert falling(Signal(start=0.0, step=1 / RATE, values=steady, channels=("angle",))) is None
 
 
-@pytest.mark.parametrize("amplitude", [0.6, 1.0])
+@pytest.mark.parametrize("amplitude", [0.6, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_friction_drag_and_large_swings_together_are_one_mode(tmp_path: Path, amplitude: float) -> None:
     """Three forces that are not linear at once, as pendulums on encoders have them; exact by its turning points."""
     from scipy.integrate import solve_ivp

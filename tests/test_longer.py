@@ -20,8 +20,7 @@ class TestTwoMasses:
         "seed",
         [
             3000003,
-            3000011,
-            *(pytest.param(more, marks=pytest.mark.slow) for more in (3000020, 3000043, 3000052, 3200032)),
+            *(pytest.param(more, marks=pytest.mark.slow) for more in (3000011, 3000020, 3000043, 3000052, 3200032)),
         ],
     )
     def test_both_modes_are_found_from_the_release_on(self, seed: int, tmp_path: Path) -> None:

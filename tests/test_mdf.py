@@ -23,7 +23,7 @@ from suspid.io.mdf.channels import _payloads
 from suspid.io.mdf.mdf import read_mdf
 from suspid.words import LeftOut, Remark
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FUZZ = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "css_canedge_car_mf4"
 T = np.array([0.0, 0.125, 0.25, 0.5, 1.0])
 WORDS = {"val_0": 0, "text_0": b"off", "val_1": 1, "text_1": b"on", "default": b"?"}

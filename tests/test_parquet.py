@@ -24,7 +24,7 @@ from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import LeftOut
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FUZZ = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def put(folder: Path, columns: dict[str, Any], *, units: dict[str, str] | None = None) -> Path:

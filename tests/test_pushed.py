@@ -37,7 +37,8 @@ class TestSimulator:
 
 
 class TestReleases:
-    @pytest.mark.parametrize("seed", [9, *(pytest.param(more, marks=pytest.mark.slow) for more in (5, 16))])
+    @pytest.mark.slow
+    @pytest.mark.parametrize("seed", [5, 9, 16])
     def test_each_is_found_where_the_hands_leave(self, seed: int) -> None:
         record = pushed.pushed(seed)
         signal = as_signal(as_response(record.time, record.values, list(record.names)))

@@ -22,7 +22,7 @@ from suspid.io.read_recording import read_recording
 from suspid.io.tdms import read_tdms
 from suspid.words import LeftOut
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FUZZ = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 RNG = np.random.default_rng(0)
 
 

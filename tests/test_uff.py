@@ -21,7 +21,7 @@ from suspid.errors import RecordError
 from suspid.io.uff import read_uff
 from suspid.units import RealArray
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FUZZ = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "pyuff_uff58_mps"
 BLANK = " " * 74
 # Codes of data set 164 with the units of length in a metre and of force in a newton, as the standard gives them.

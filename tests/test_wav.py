@@ -17,7 +17,7 @@ from suspid import SuspidError
 from suspid.errors import RecordError
 from suspid.io.wav import read_wav
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FUZZ = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def wav(samples: np.ndarray, *, rate: int = 800) -> bytes:

@@ -70,7 +70,7 @@ class TestErrorRates:
         "setting",
         [
             {},
-            {"nominal": True},
+            pytest.param({"nominal": True}, marks=pytest.mark.slow),
             pytest.param({"history": 3}, marks=pytest.mark.slow),
             pytest.param({"history": 8}, marks=pytest.mark.slow),
         ],

@@ -44,10 +44,10 @@ def decay_of_fading(signal: Signal, *, level: Decibel) -> Decay | None:
     --------
     A tone of which the size falls and the frequency rises with it:
 
-    >>> time = np.arange(6000) / 50
+    >>> time = np.arange(3000) / 25
     >>> size = np.exp(-0.02 * time)
-    >>> turned = np.cumsum(6.0 - 1.2 * size**2) / 50
-    >>> signal = Signal(start=0.0, step=0.02, values=(size * np.cos(turned))[None], channels=("angle",))
+    >>> turned = np.cumsum(6.0 - 1.2 * size**2) / 25
+    >>> signal = Signal(start=0.0, step=0.04, values=(size * np.cos(turned))[None], channels=("angle",))
     >>> found = decay_of_fading(signal, level=20.0)
     >>> found.wn.round(0), [doubt.code.value for doubt in found.doubts]
     (array([6.]), ['nonlinear', 'later'])
