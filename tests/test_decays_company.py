@@ -7,11 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from suspid import analyse
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
 from suspid.decays.find_decays import _in_company, find_decays
 from suspid.records import as_response
-from suspid.words import DecayDoubt
+from suspid.words import DecayDoubt, Level, RecordCheck
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +56,22 @@ def test_releases_that_share_no_mode_are_no_company(
     recording = SimpleNamespace(signal=SimpleNamespace(start=0.0, step=0.01), finest=None, bands=None)
     found = module._let_go(recording)
     assert [any(doubt.code is DecayDoubt.COMPANY for doubt in one.doubts) for one in found] == [doubted] * 4
+
+
+@pytest.mark.parametrize(
+    ("hertz", "level"),
+    [
+        ((5, 5, 5, 5, 5), None),
+        ((5, 6.1, 7.5), Level.CARE),
+        ((5, 6.1, 7.5, 9.2, 11.3), Level.DOUBTFUL),
+    ],
+)
+def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level: Level | None) -> None:
+    """Each stretch alone is a perfect decay: of one structure, or of another one each time."""
+    time = np.arange(500) / 100
+    decays = [np.exp(-1.5 * time) * np.sin(2 * np.pi * f * time) for f in hertz]
+    values = np.concatenate([np.zeros(100), *decays])
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(values.size)
+    found = analyse((np.arange(values.size) / 100, values + noise))
+    said = [check.level for check in found.verdict.checks if check.remark.code is RecordCheck.NOT_REPEATED]
+    assert said == ([] if level is None else [level])

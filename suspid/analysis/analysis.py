@@ -188,11 +188,11 @@ class Analysis(Result):
                 Check(Remark(RecordCheck.IN_TEST, {"test": name, "what": str(check.remark)}), check.level)
                 for name, test in self.tests.items()
                 for check in (
-                    *(doubts_of(test.used[0], test.identification) if len(test.used) == 1 else ()),
+                    *doubts_of(test.used, test.identification, test.decays),
                     *_of_recording(test.cleaned),
                 )
             ]
-        doubts = doubts_of(self.used[0], self.identification) if len(self.used) == 1 else ()
+        doubts = doubts_of(self.used, self.identification, self.decays)
         return Verdict(found.headline, (*doubts, *found.checks, *of_recording, *springs, *failed))
 
     def _table(self) -> Mapping[str, Sequence[object]]:

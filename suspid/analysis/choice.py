@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.decays import DRIVEN, FEWEST_EARLY, FIT, GRAVE, TRIAL_PARTS, Decay, unexplained
+from suspid.decays import DRIVEN, FEWEST_EARLY, FIT, GRAVE, SAME_MODES, TRIAL_PARTS, Decay, unexplained
 from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
@@ -36,6 +36,9 @@ FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
 OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
+# Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
+# they say that it is one by chance. A single one may be a knock at another part; larger numbers believe driven motion.
+SOME_UNLIKE, MANY_UNLIKE = 2, 3
 
 
 def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
@@ -109,17 +112,21 @@ def _by_chance(whole: Identification, left: Signal, most: int) -> bool:
     return likely(ratio, unknowns)
 
 
-def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
-    """Return the doubts about a decay as checks; what an identification down to the noise refutes calls for care.
+def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:
+    """Return the doubts about the decay that is used as checks, if it is a single one.
 
-    A quick fit takes means of several samples. That these are few says nothing of an identification, which takes all.
-    What it leaves is explained where a fit with forces leaves hardly anything.
+    What an identification down to the noise refutes calls for care. A quick fit takes means of several samples. That
+    these are few says nothing of an identification, which takes all. What it leaves is explained where a fit with
+    forces leaves hardly anything.
     """
+    if len(used) != 1:
+        return ()
+    decay = used[0]
     # A background that excites the mode bends a decay as forces do, and of many stretches some look so by chance.
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
     refuted, answered = (FIT, ANSWERED) if settled(found) and not bent else (frozenset(), frozenset())
     answered |= FIT if not bent and explained_by_forces(found) else frozenset()
-    return tuple(
+    own = (
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),
             Level.DOUBTFUL if doubt.code in GRAVE - refuted else Level.CARE,
@@ -127,14 +134,30 @@ def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
         for doubt in decay.doubts
         if doubt.code not in answered
     )
+    return (*own, *_not_repeated(decay, found, decays))
 
 
-def level_of(found: Identification, used: Sequence[Decay]) -> Level:
+def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:
+    """Return the doubt that most other decays of a recording have no mode of the one that was identified.
+
+    A structure shows its modes after each release. Of several stretches of driven motion, the one that is used is the
+    one that looks most like a decay, by chance.
+    """
+    apart = (other for other in decays if other.stop <= decay.start or other.start >= decay.stop)
+    others = [other for other in apart if other.wn.size]
+    near = [np.any(np.abs(other.wn[:, None] / found.modes.wn - 1) < SAME_MODES) for other in others]
+    unlike = len(near) - int(np.sum(near))
+    if not len(found.modes) or unlike < SOME_UNLIKE or 2 * unlike <= len(others):
+        return ()
+    level = Level.DOUBTFUL if unlike >= MANY_UNLIKE else Level.CARE
+    return (Check(Remark(RecordCheck.NOT_REPEATED, {"unlike": unlike, "others": len(others)}), level),)
+
+
+def level_of(found: Identification, used: Sequence[Decay], decays: Sequence[Decay]) -> Level:
     """Return the level of the verdict on an identification and on the decay that it is of."""
     if not len(found.modes):
         return Level.NONE
-    doubts = doubts_of(used[0], found) if len(used) == 1 else ()
-    return min([found.verdict.level, *(doubt.level for doubt in doubts)])
+    return min([found.verdict.level, *(doubt.level for doubt in doubts_of(used, found, decays))])
 
 
 def explained_by_forces(found: Identification) -> bool:

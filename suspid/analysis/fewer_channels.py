@@ -47,7 +47,7 @@ def with_fewer_channels(
         return used
     used = with_identification(used, settings)
     found = used.identification
-    before = Level.NONE if found is None else level_of(found, used.used)
+    before = Level.NONE if found is None else level_of(found, used.used, used.decays)
     if found is None or before > Level.DOUBTFUL:
         return used
     tries = _fewer(names, found.explained) if len(found.modes) else _alone(names, _beside_peak(found))
@@ -57,7 +57,7 @@ def with_fewer_channels(
         except SuspidError:
             continue
         again = with_identification(fewer, settings).identification
-        if again is not None and level_of(again, fewer.used) > before:
+        if again is not None and level_of(again, fewer.used, fewer.decays) > before:
             out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)

@@ -41,7 +41,7 @@ def with_means(record: control.TimeResponseData, used: Used, settings: Settings)
     if settings.decay != "auto" or settings.method != "likelihood" or len(used.used) > 1:
         return used
     used = with_identification(used, settings)
-    if used.identification is not None and level_of(used.identification, used.used) > Level.DOUBTFUL:
+    if used.identification is not None and level_of(used.identification, used.used, used.decays) > Level.DOUBTFUL:
         return used
     for part in _parts(record, used):
         agreed = _agreed(part, settings)
@@ -84,7 +84,7 @@ def _agreed(part: Used, settings: Settings) -> Used | None:
             continue
         means = means_of(part.record, size)
         found = tried(means, settings)
-        if found is None or _never_swings(found) or level_of(found, part.used) <= Level.DOUBTFUL:
+        if found is None or _never_swings(found) or level_of(found, part.used, part.decays) <= Level.DOUBTFUL:
             continue
         same = next((one for one, other in before if _same(other, found)), None)
         if same is not None:

@@ -10,6 +10,7 @@ again).
 
 from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
+from suspid.decays.others import SAME_MODES
 from suspid.decays.predictions import releases_before
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
@@ -21,6 +22,7 @@ __all__ = [
     "FIT",
     "GRAVE",
     "LOOK_BLOCKS",
+    "SAME_MODES",
     "TRIAL_PARTS",
     "Decay",
     "Decays",

@@ -137,6 +137,11 @@ class RecordCheck(Code):
     """Checks of the recording that the identification cannot see."""
 
     DECAY = "decay", sentence(lambda n: f"{str(n['doubt'])[:1].upper()}{str(n['doubt'])[1:]}.")
+    NOT_REPEATED = (
+        "not repeated",
+        "{unlike} of the {others} other stretches that look like decays show none of these modes: the recording may be "
+        "driven throughout, and this stretch may look like a decay by chance.",
+    )
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     FEWER_CHANNELS = (
         "fewer channels",
