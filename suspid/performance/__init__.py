@@ -41,6 +41,7 @@ from suspid.performance.tune_active import tune_active
 from suspid.performance.tune_damper import tune_damper
 from suspid.performance.tunings import Tuning
 from suspid.performance.wear import wear
+from suspid.performance.wear_checks import LEVELS as LEVELS
 from suspid.performance.wears import DamperWear, Wear
 from suspid.performance.wears import ParameterChange as ParameterChange
 from suspid.performance.weightings import weighting
