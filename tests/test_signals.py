@@ -65,6 +65,11 @@ class TestTime:
             ([0.0, 0.2, 0.1], r"next stamp 0\.1 s"),
             ([0.0, np.nan, 0.2], "the first is number 2"),
             ([0.0, 0.1, 0.2, 0.35], "time is irregular"),
+            ([0.0, 0.1, 0.2, 0.3, 1.2], "time is irregular"),
+            (
+                [0.0, 0.1, 0.2, 0.3, 1.4],
+                r"after t = 0\.3 s the next stamp is 1\.1 s later, but the usual step is 0\.1 s",
+            ),
         ],
     )
     def test_refused(self, times: list[float], message: str) -> None:
