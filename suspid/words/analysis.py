@@ -138,7 +138,7 @@ class Note(Code):
     )
     RESAMPLED = (
         "resampled",
-        "{name} was resampled from {rate:.7g} to {onto:.7g} Hz, the rate of the first; error below {error:.1e} "
+        "{name} was resampled from {rate:.7g} to {onto:.7g} Hz, the rate of the first record; error below {error:.1e} "
         "of the motion",
     )
     NO_SPRINGS = "no springs", "springs and dampers were not found from the modes: {why}"
