@@ -245,8 +245,8 @@ def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdic
     if about.known:
         checks.append(Check(Remark(RideCheck.KNOWN, {"names": about.known}), Level.NOTE))
     roughness = driven.roughness
-    numbers: dict[str, Number] = {"speed": driven.speed, "roughness": roughness, "class": road_class(roughness)}
-    return Verdict(Remark(RideHeadline.DRIVEN, numbers), tuple(checks))
+    said: dict[str, Number] = {"speed": driven.speed, "roughness": roughness, "class": road_class(roughness)}
+    return Verdict(Remark(RideHeadline.DRIVEN, said), tuple(checks))
 
 
 def _comforts(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:

@@ -24,11 +24,12 @@ def descend(
     positive: NDArray[np.bool_],
     lower: RealArray,
     upper: RealArray,
+    negligible: float = 0.0,
     secant: bool = False,
 ) -> RealArray:
     """Return a minimum of the norm of the equations between bounds, by Gauss-Newton steps in a trust region.
 
-    What is ``positive`` is stepped in its logarithm.
+    What is ``positive`` is stepped in its logarithm; a gain of the squared norm up to ``negligible`` ends the descent.
     With ``secant``, curvature that Gauss-Newton does not see is taken from how the gradient changed along the last
     step: along a curved valley steps overshoot again and again without it.
 
@@ -68,7 +69,7 @@ def descend(
             x, residual, slope = trial, trial_residual, trial_slope
         if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
             break
-        if gained >= 0 and expected <= NEGLIGIBLE_SHARE * float(residual @ residual):
+        if gained >= 0 and expected <= max(NEGLIGIBLE_SHARE * float(residual @ residual), negligible):
             break
         radius = next_radius(radius, gained, expected)
     return x
