@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from suspid.values import nearest_names
 
-# What arguments are called in other programs, and here: the first that the function has.
+# Names of arguments in other programs, and the names here; the first one that the function has is suggested.
 CALLED_HERE: Mapping[str, tuple[str, ...]] = {
     "band": ("band_hz",),
     "dt": ("fs",),

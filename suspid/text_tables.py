@@ -39,7 +39,7 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
       1      20000      900
     """
     columns = {named(name): [named(cell, name in words) for cell in cells] for name, cells in columns.items()}
-    # tabulate 0.9 takes no sides of a table without rows.
+    # tabulate 0.9 fails if a table without rows is given alignments.
     rows = any(columns.values())
     sides = ["left" if name in words else "right" for name in columns] if rows else None
     whole: str = tabulate(columns, headers="keys", disable_numparse=True, stralign="right", colalign=sides)

@@ -211,18 +211,20 @@ def check_count(name: str, value: object) -> None:
         raise InputError(Argument(name, f"{value!r:.40}"), " must be a whole number from 1 on, or left out")
 
 
-def check_names(argument: str, names: object, such: str) -> None:
-    """Refuse what is no list of different names.
+def check_parameters(names: object) -> None:
+    """Refuse what is no list of different names of parameters.
 
     Examples
     --------
-    >>> check_names("parameters", "damping", "chassis.damping")
+    >>> check_parameters("damping")
     Traceback (most recent call last):
     suspid.errors.InputError: parameters='damping' must be a list of names such as ['chassis.damping']
     """
     listed_names = list(names) if isinstance(names, list | tuple) else []
     if not listed_names or not all(isinstance(name, str) for name in listed_names):
-        raise InputError(Argument(argument, f"{names!r:.60}"), f" must be a list of names such as [{such!r}]")
+        raise InputError(
+            Argument("parameters", f"{names!r:.60}"), " must be a list of names such as ['chassis.damping']"
+        )
     twice = next((name for name in listed_names if listed_names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(Argument(argument), f": {twice!r} is named twice")
+        raise InputError(Argument("parameters"), f": {twice!r} is named twice")

@@ -355,6 +355,13 @@ class TestAnyGrid:
         lost = read_clock(self.stamps(1000.0, 1e-3, kept, way="floor"), wave(kept / 1e3)[None])
         assert kinds(lost) == ["missing rows"]
 
+    def test_a_few_rows_missing_at_random_make_no_slower_clock(self) -> None:
+        for seed in range(20):
+            rows = np.sort(np.random.default_rng(seed).choice(400, 395, replace=False))
+            grid = grid_of(np.round((rows - rows[0]) / 1000, 3))
+            assert grid is not None
+            np.testing.assert_array_equal(grid.places, rows - rows[0])
+
     @pytest.mark.parametrize("every", [5, 10, 20, 50, 100, 200])
     @pytest.mark.parametrize("rate", [100.0, 200.0, 1000.0])
     @pytest.mark.parametrize("way", ["missing", "without a stamp", "rounded"])

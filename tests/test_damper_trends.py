@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from suspid import DamperState, InputError, WearRule, damper_trends
+from suspid import DamperState, InputError, Level, WearRule, damper_trends
 from suspid.fleet.damper_trends import trends_of_rates
 from suspid.performance import Rates
 
@@ -68,10 +68,19 @@ def test_a_load_cancels_and_the_gravest_comes_first() -> None:
     assert list(table["verdict"]) == [str(one.state) for one in found.trends]
 
 
+def test_the_verdict_names_the_dampers_in_each_state_once() -> None:
+    found = trends_of_rates(drives(np.random.default_rng(1), {"A": 0.4, "B": 0.0}), WearRule())
+    named = {str(c.remark.code): c.remark.numbers["names"] for c in found.verdict.checks}
+    assert named == {"worn": ("A front",), "good": ("B front", "B rear", "A rear")}
+    assert found.verdict.level.label == "care"
+    assert str(found).count("Verdict: 4 dampers followed over time: care") == 1
+
+
 def test_too_few_drives_have_no_trend() -> None:
     found = trends_of_rates(drives(np.random.default_rng(1), {"A": 0.4}, count=3), WearRule())
     assert not found.trends
     assert "four drives" in str(found)
+    assert found.verdict.level is Level.NONE
 
 
 def test_other_types_are_refused() -> None:

@@ -262,6 +262,17 @@ class TestTrends:
         # Normal limits or pooled degrees of freedom would miss 9.5 % of them.
         assert missed == pytest.approx(0.05, abs=5 * np.sqrt(0.05 * 0.95 / len(found)))
 
+    def test_a_noisy_vehicle_has_the_interval_of_its_own_line(self) -> None:
+        from scipy import stats
+
+        tests = self.with_a_noisy_one(1)
+        time, values, _ = tests["noisy"]
+        (found,) = (t for t in trends_of("c", tests | {"noisy": (time, values, 0 * time)}) if t.vehicle == "noisy")
+        line = stats.linregress(time, values)
+        change = 7 * (line.slope + np.array([-1.0, 1.0]) * stats.t.ppf(0.975, 6) * line.stderr)
+        np.testing.assert_allclose(found.change, change, rtol=1e-5)
+        assert found.p == pytest.approx(line.pvalue, rel=1e-5)
+
     def test_a_noisy_vehicle_does_not_hide_the_others(self) -> None:
         """The intervals of the others are as wide as they are without it."""
         for seed in range(10):

@@ -475,7 +475,7 @@ class TestJudgement:
         assert 0.1 < np.max(left) < 0.316
         (check,) = [one for one in found.verdict.checks if one.remark.code is EstimateCheck.UNEXPLAINED]
         assert check.level is level
-        assert ("follows what moved the car" in str(check)) is lacking
+        assert ("is correlated with the input" in str(check)) is lacking
 
     def test_white_noise_passes_and_a_decay_in_it_fails(self) -> None:
         rng = np.random.default_rng(3)

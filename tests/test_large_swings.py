@@ -73,6 +73,15 @@ def test_noise_that_fades_is_no_decay(seed: int) -> None:
     assert decay_of_fading(fading, level=20.0) is None
 
 
+@pytest.mark.parametrize(("lost", "found"), [(0.95, False), (1.05, True)])
+def test_a_motion_falls_if_its_amplitude_loses_a_factor_e(lost: float, found: bool) -> None:
+    # From the first of 16 parts to the last, each of 50 whole cycles.
+    time = np.arange(16000)
+    values = np.exp(-lost * time / 15000) * np.cos(2 * np.pi * time / 20)
+    signal = Signal(start=0.0, step=0.01, values=values[None], channels=("angle",))
+    assert (falling(signal) is not None) == found
+
+
 def test_a_swing_that_keeps_its_size_does_not_fall() -> None:
     steady = np.sin(WN * np.arange(3000) / RATE)[None]
     assert falling(Signal(start=0.0, step=1 / RATE, values=steady, channels=("angle",))) is None

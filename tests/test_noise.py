@@ -31,6 +31,7 @@ from suspid.identification.noise import (
 from suspid.identification.poles import Poles
 from suspid.levels import normal_reach
 from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.words import Reason
 
 Real = NDArray[np.float64]
@@ -137,6 +138,14 @@ class TestDegreesOfFreedom:
             assert fit.freedom == pytest.approx(40 - 5 - 4 / channels)
             variances.append(np.mean(fit.squares / fit.freedom))
         assert np.mean(variances) == pytest.approx(1.0, abs=0.04)
+
+    def test_noise_std_of_an_identification_leaves_out_what_was_fitted(self) -> None:
+        k = np.arange(48)
+        clean = 100 * np.real(np.exp((-0.03 + 0.4j) * k) + np.exp((-0.05 + 1.3j) * k))
+        found = identify(as_response(k / 100, clean + white(1, 1, 48), ["y"]), modes=2)
+        left = as_signal(found.residual).values
+        # An offset, and four amplitudes and four parameters of poles of two pairs.
+        np.testing.assert_allclose(found.noise_std**2 * (48 - 9), np.sum(left**2, axis=1), rtol=1e-9)
 
     @pytest.mark.slow
     def test_noise_std_of_an_identification_is_unbiased(self) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from suspid import InputError, add_noise, classify_road, quarter_car, road, road_profile, simulate
 from suspid.performance import ROAD_LIMITS
-from suspid.performance.road_classes import MOST_FOLDING, _fitted_unfolded, _folding
+from suspid.performance.road_lines import MOST_FOLDING, _folding, line_of
 from suspid.records import as_response
 from suspid.simulation import ROUGHNESS, Road, track_coherence
 from suspid.words import Level
@@ -282,7 +282,7 @@ class TestFolding:
         rest = 2 * spacing**exponent * 199.5 ** (1 - exponent) / (exponent - 1)
         everything = n**-exponent + np.sum((folds - n) ** -exponent + (folds + n) ** -exponent, axis=0) + rest
         held = 4 * np.sin(np.pi * n * spacing) ** 2
-        used, (level, found, covariance, *_) = _fitted_unfolded(n, everything * held, held, spacing)
+        used, (level, found, covariance, *_) = line_of(n, everything * held, held, spacing)
         off = np.array([level - exponent * np.log(10.0), found - exponent]) / np.sqrt(np.diag(covariance))
         assert np.all(np.abs(off) < 1.1 * MOST_FOLDING)
         np.testing.assert_allclose(

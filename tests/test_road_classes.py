@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import norm
 
 from suspid import InputError, classify_road, road
-from suspid.performance.road_classes import UNFOLDED, _fitted
+from suspid.performance.road_lines import UNFOLDED, _fitted
 from suspid.simulation import ROUGHNESS
 from suspid.words.ride import RoadCheck
 

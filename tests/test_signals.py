@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from suspid import RecordError
-from suspid.records import as_response
-from suspid.signals import as_signal, uniform_step
+from suspid.records import as_response, late_start
+from suspid.signals import Signal, as_signal, uniform_step
 
 
 def response(times: object, values: object) -> control.TimeResponseData:
@@ -65,6 +65,11 @@ class TestTime:
             ([0.0, 0.2, 0.1], r"next stamp 0\.1 s"),
             ([0.0, np.nan, 0.2], "the first is number 2"),
             ([0.0, 0.1, 0.2, 0.35], "time is irregular"),
+            ([0.0, 0.1, 0.2, 0.3, 1.2], "time is irregular"),
+            (
+                [0.0, 0.1, 0.2, 0.3, 1.4],
+                r"after t = 0\.3 s the next stamp is 1\.1 s later, but the usual step is 0\.1 s",
+            ),
         ],
     )
     def test_refused(self, times: list[float], message: str) -> None:
@@ -80,6 +85,12 @@ class TestTime:
         else:
             with pytest.raises(RecordError, match=r"t = 5\.012 s lies 0\.012 steps off"):
                 uniform_step(times)
+
+
+@pytest.mark.parametrize(("place", "late"), [(15, None), (25, 2.5)])
+def test_the_largest_motion_is_late_after_a_fiftieth_of_the_record(place: int, late: float | None) -> None:
+    values = np.exp(-np.abs(np.arange(1000.0) - place) / 50)
+    assert late_start(Signal(start=0.0, step=0.1, values=values[None], channels=("seat",))) == late
 
 
 def test_a_record_is_identified_without_importing_python_control() -> None:

@@ -236,6 +236,17 @@ class TestTables:
         assert np.asarray(record.time) == pytest.approx(1e3 * TIMES)
 
 
+@pytest.mark.parametrize(("pace", "outvoted"), [(1.01, False), (1.05, True)])
+def test_stamps_outvote_a_stated_rate_that_is_further_off_than_clocks_are(
+    tmp_path: Path, pace: float, outvoted: bool
+) -> None:
+    head = "LabVIEW Measurement\t\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t2\nDelta_X\t0.01\t0.01\n"
+    rows = "".join(f"{0.01 * pace * k:.6f}\t{np.sin(k):.6f}\t{np.cos(k):.6f}\n" for k in range(200))
+    path = tmp_path / "a.lvm"
+    path.write_text(f"{head}***End_of_Header***\t\t\nX_Value\tseat\ttire\n{rows}", encoding="utf-8")
+    assert (LeftOut.OUTVOTED in [why.code for _, why in read_recording(path).left_out]) is outvoted
+
+
 def test_stamps_of_rows_that_were_picked_outvote_the_rate_above_them(tmp_path: Path) -> None:
     """Every 16th row of a LabVIEW file was kept, and its header with the step of all rows."""
     head = "LabVIEW Measurement\t\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t2\nDelta_X\t0.0001\t0.0001\n"

@@ -18,8 +18,7 @@ from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
 from suspid.units import ROAD_SPEEDS
 from suspid.wording import Argument
-from suspid.words import Check, Level, Remark
-from suspid.words.analysis import Note
+from suspid.words import Check, Level
 
 
 def read_drive(
@@ -73,7 +72,7 @@ def _with_vertical(
     axes = [channel_named(name.strip(), recording.names) for name in given]
     up, found = upright([_made(recording[name], {name: name}, scale) for name in axes])
     kept = (up if channel.name == axes[0] else channel for channel in recording.channels)
-    notes = (Check(Remark(Note.VERTICAL, {"found": line}), Level.NOTE) for line in str(found).split("\n"))
+    notes = (Check(remark, Level.NOTE) for remark in found.remarks)
     return replace(recording, channels=tuple(c for c in kept if c.name not in axes)), tuple(notes)
 
 

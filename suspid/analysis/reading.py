@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.cleaning import Cleaned, RecordLike, as_record, clean, name_in_si, scaled, to_si, vertical
+from suspid.cleaning import Cleaned, RecordLike, Vertical, as_record, clean, name_in_si, scaled, to_si, vertical
 from suspid.errors import InputError, RecordError
 from suspid.files import naming
 from suspid.io import bare_name, read_recording
@@ -173,7 +173,7 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
         cleaned, notes = in_si(cleaned)
     if settings.vertical is not None:
         cleaned, found = _upright(cleaned, settings.vertical)
-        notes = (*notes, *(Remark(Note.VERTICAL, {"found": line}) for line in found.split("\n")))
+        notes = (*notes, *found.remarks)
     if settings.rename:
         # Tests of one car are renamed alike: what stood still in one of them was left out of it, and that was said.
         there = as_signal(held(cleaned, "record")).channels
@@ -209,7 +209,7 @@ def in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
     return replace(cleaned, record=scaled(held(cleaned, "record"), factors), units=tuple(units)), tuple(notes)
 
 
-def _upright(cleaned: Cleaned, given: Iterable[str]) -> tuple[Cleaned, str]:
+def _upright(cleaned: Cleaned, given: Iterable[str]) -> tuple[Cleaned, Vertical]:
     """Return the record with the vertical of a tilted accelerometer in place of its axes, and how it was found."""
     signal = as_signal(held(cleaned, "record"))
     axes = tuple(channel_named(name.strip(), signal.channels) for name in given)
@@ -223,7 +223,7 @@ def _upright(cleaned: Cleaned, given: Iterable[str]) -> tuple[Cleaned, str]:
         title=_title(held(cleaned, "record")),
     )
     units = (cleaned.units[signal.channels.index(axes[0])], *(cleaned.units[k] for k in kept))
-    return replace(cleaned, record=record, units=units), str(found)
+    return replace(cleaned, record=record, units=units), found
 
 
 def _renamed(cleaned: Cleaned, renames: dict[str, str]) -> Cleaned:

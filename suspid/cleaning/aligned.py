@@ -14,7 +14,7 @@ from suspid.cleaning.gaps import fill
 from suspid.cleaning.joining import by_clock, one_clock, placed
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
-from suspid.units import Hertz, RealArray, Second
+from suspid.units import RealArray, Second
 
 # A pause of the logger this long parts a recording [s]: no stretch goes over it, and the clocks on both sides need not
 # agree.
@@ -49,7 +49,7 @@ class Aligned:
     findings: tuple[Finding, ...]
 
 
-def aligned(channels: Sequence[RawChannel], *, fs: Hertz | None = None) -> Aligned:
+def aligned(channels: Sequence[RawChannel]) -> Aligned:
     """Return channels on the fastest of their clocks, without refusing what is missing.
 
     As `clean`, but gaps that are too long to fill stay NaN, and nothing is cut off or left out.
@@ -68,7 +68,7 @@ def aligned(channels: Sequence[RawChannel], *, fs: Hertz | None = None) -> Align
     >>> bool(abs(part.values[0, 40] - np.sin(12 * 0.4)) < 0.01), int(np.sum(np.isnan(part.values)))
     (True, 100)
     """
-    whole, findings = one_clock([placed(group, fs) for group in by_clock(list(channels))], by_name=True)
+    whole, findings = one_clock([placed(group, None) for group in by_clock(list(channels))], by_name=True)
     order = [whole.names.index(channel.name) for channel in channels]
     values, filled = whole.values[order], np.zeros((len(order), whole.timepts.size), bool)
     if np.any(np.isnan(values)):

@@ -39,10 +39,10 @@ def late_or_irregular(
     if share > max(SIGNIFICANT * std, FOLLOWED):
         return Defect.IRREGULAR_STAMPS, {**numbers, "largest": largest / step}
     pace = np.diff(values, axis=1)
-    speed = np.sqrt(_mean(pace**2, np.isfinite(pace), axis=1)) / step * sigma
+    speed = np.sqrt(_mean(pace**2, np.isfinite(pace))) / step * sigma
     there = np.isfinite(values)
-    about = values - _mean(values, there, axis=1)[:, None]
-    motion = np.sqrt(_mean(about**2, there, axis=1))
+    about = values - _mean(values, there)[:, None]
+    motion = np.sqrt(_mean(about**2, there))
     error = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
     return Defect.JITTERING_STAMPS, {**numbers, "largest": largest, "rms": sigma, "rate": 1 / step, "error": error}
 
@@ -162,7 +162,7 @@ def share_followed(values: RealArray, off: RealArray, places: Indices) -> tuple[
     slope = (8 * (after - last) - (second - before)) / 12
     lead = off[whole + 2] - (4 * (off[whole + 1] + off[whole + 3]) - off[whole] - off[whole + 4]) / 6
     known = np.isfinite(missed)
-    size = np.sqrt(_mean(missed**2, known, axis=1))[:, None]
+    size = np.sqrt(_mean(missed**2, known))[:, None]
     usable = known & (size > 0)
     missed = np.where(usable, missed, 0.0) / np.where(size > 0, size, 1.0)
     expected = np.where(usable, slope * lead, 0.0) / np.where(size > 0, size, 1.0)
@@ -174,6 +174,6 @@ def share_followed(values: RealArray, off: RealArray, places: Indices) -> tuple[
     return share, float(np.sqrt(2 * np.sum((expected * (missed - share * expected)) ** 2))) / power
 
 
-def _mean(values: RealArray, known: NDArray[np.bool_], *, axis: int) -> RealArray:
+def _mean(values: RealArray, known: NDArray[np.bool_]) -> RealArray:
     """Return the mean of what is known; 0 where nothing is."""
-    return np.asarray(np.where(known, values, 0.0).sum(axis=axis) / np.maximum(known.sum(axis=axis), 1))
+    return np.asarray(np.where(known, values, 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1))

@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from suspid.files import printable
 from suspid.units import Ratio, RealArray
+from suspid.words import Note, Number, Remark
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -122,23 +122,44 @@ class Vertical:
         # Angle between gravity and motion up to which they agree, if it is more than three standard deviations [deg].
         return self.apart_deg <= max(10.0, 3 * float(np.hypot(self.std_deg, self.principal_std_deg)))
 
-    def __str__(self) -> str:
-        parts = ", ".join(f"{u:+.4f} {printable(name)}" for u, name in zip(self.up, self.axes, strict=True))
-        lines = [
-            f"up: {parts}, by {self.by}; {self.tilt_deg:.2f} ± {self.std_deg:.2g} deg off "
-            f"{printable(self.nearest_axis)}; {100 * self.explained:.1f} % of the motion is along it"
-        ]
-        if self.gravity_unit:
-            lines.append(f"gravity: {self.gravity:.4g} {self.gravity_unit}, taken away")
-        else:
-            lines.append(
-                f"gravity: not measured (the mean of the three channels is {self.gravity:.4g}); up may be down"
-            )
-        lines.append(
-            f"largest motion: {100 * self.principal_explained:.1f} % along an axis {self.apart_deg:.2f} deg from up; "
-            f"{'they agree' if self.agree else 'they do not agree, the motion is not mainly vertical'}"
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Direction, gravity and largest motion, as codes with their numbers; ``str()`` is their sentences.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, vertical
+        >>> t = np.arange(1000) / 200
+        >>> up = 9.81 + np.exp(-t) * np.sin(10 * t)
+        >>> _, found = vertical(as_record([0 * t, 0.6 * up, 0.8 * up], timepts=t, channels=["x", "y", "z"]))
+        >>> [str(remark.code) for remark in found.remarks]
+        ['vertical', 'gravity', 'largest motion']
+        """
+        up: dict[str, Number] = {
+            "axes": ", ".join(f"{u:+.4f} {name}" for u, name in zip(self.up, self.axes, strict=True)),
+            "by": self.by,
+            "tilt_deg": self.tilt_deg,
+            "std_deg": self.std_deg,
+            "nearest": self.nearest_axis,
+            "explained": self.explained,
+        }
+        motion: dict[str, Number] = {
+            "explained": self.principal_explained,
+            "apart_deg": self.apart_deg,
+            "agree": self.agree,
+        }
+        return (
+            Remark(Note.VERTICAL, up),
+            Remark(
+                Note.GRAVITY if self.gravity_unit else Note.NO_GRAVITY,
+                {"gravity": self.gravity, "unit": self.gravity_unit},
+            ),
+            Remark(Note.LARGEST_MOTION, motion),
         )
-        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.remarks))
 
 
 def _angle(one: RealArray, other: RealArray) -> float:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
     from suspid.reconstruction import Reconstruction
 
-# The exit code where a car was found and written, but does not explain what it was found from.
+# Exit code if a car was found and written, but does not explain the data.
 EXIT_UNEXPLAINED = 3
 
 

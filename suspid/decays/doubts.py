@@ -85,7 +85,7 @@ def doubts_of_background(means: RealArray, trial: Trial, *, size: int, length: i
 
 
 def clipped_samples(values: RealArray) -> NDArray[np.bool_]:
-    """Return which samples lie in a run at the largest or smallest value of a channel that clips there, (sample,)."""
+    """Return which samples are clipped: in a run at the largest or smallest value of their channel, (sample,)."""
     out = np.zeros(values.shape[1], bool)
     for samples in values:
         for largest in (True, False):

@@ -115,6 +115,24 @@ def background(power: RealArray) -> float:
     return max(float(quiet), 1e-7 * float(np.max(power)))
 
 
+def spectrum_and_noise(about: RealArray, finest: RealArray) -> tuple[RealArray, RealArray]:
+    """Return the power of each channel under a Hann window, (channel, line), and that of white noise in it, (channel,).
+
+    White noise is that of the upper half of the spectrum, where a sensor that is fast enough shows little else, and at
+    least that of rounding; the median of exponentially distributed power is ``log(2)`` of its mean.
+
+    Examples
+    --------
+    >>> power, noise = spectrum_and_noise(np.random.default_rng(1).standard_normal((1, 20_000)), np.zeros(1))
+    >>> bool(np.isclose(noise[0], np.mean(power), rtol=0.05))
+    True
+    """
+    window = np.hanning(about.shape[1])
+    power = np.abs(np.fft.rfft(about * window, axis=1)) ** 2
+    white = np.median(power[:, power.shape[1] // 2 :], axis=1) / np.log(2.0)
+    return power, np.maximum(white, finest**2 * float(window @ window))
+
+
 def finest(values: RealArray) -> RealArray:
     """Return the standard deviation of the rounding and quantisation error of each channel.
 
@@ -174,7 +192,7 @@ def _window(centre: float, count: int) -> tuple[int, RealArray, int]:
 def _power(bins: RealArray, window: RealArray, length: int) -> RealArray:
     """Return the squared envelope of a band at the rate that it needs.
 
-    That of a mirrored record has its first half twice, so that a real transform gives all of it.
+    The envelope of a mirrored record is even in time, so a real transform gives all of it.
     """
     from scipy.fft import rfft
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.decays.envelopes import finest as finest_of
+from suspid.decays.envelopes import spectrum_and_noise
 from suspid.decays.trials import BLOCKS_A_CYCLE, block_size
 from suspid.signals import Signal
 from suspid.units import Hertz, RealArray, Second
@@ -173,14 +174,9 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
 
 def frequencies(values: RealArray, finest: RealArray, step: Second) -> tuple[Hertz, Hertz]:
     """Return the highest frequency that counts and the strongest one, of the velocity less white noise."""
-    count = values.shape[1]
-    window = np.hanning(count)
-    power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
-    # White noise in the upper half of the spectrum, where a sensor that is fast enough shows little else.
-    white = np.median(power[:, power.shape[1] // 2 :], axis=1, keepdims=True) / np.log(2.0)
-    white = np.maximum(white, finest[:, None] ** 2 * float(window @ window))
-    power = np.maximum(power - NOISE * white, 0.0)
-    frequency = np.fft.rfftfreq(count, step)
+    power, white = spectrum_and_noise(values - values.mean(axis=1, keepdims=True), finest)
+    power = np.maximum(power - NOISE * white[:, None], 0.0)
+    frequency = np.fft.rfftfreq(values.shape[1], step)
     power = power * np.sin(np.pi * frequency * step) ** 2
     total = np.maximum(np.sum(power, axis=1, keepdims=True), 1e-300)
     top = int(np.max(np.argmax(np.cumsum(power, axis=1) >= POWER * total, axis=1)))

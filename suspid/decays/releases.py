@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from suspid.decays.envelopes import spectrum_and_noise
 from suspid.decays.tails import free_since
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray
@@ -89,15 +90,10 @@ def releases(signal: Signal, finest: RealArray) -> tuple[list[tuple[int, int]], 
 
 
 def _over_noise(values: RealArray, finest: RealArray) -> RealArray:
-    """Return the channels about their means, over their noise: what hardly moves does not hide the fall of the others.
-
-    White noise is that of the upper half of the spectrum, where a sensor that is fast enough shows little else.
-    """
+    """Return the channels less their means, over their noise: a quiet channel counts as much as the others."""
     about = values - values.mean(axis=1, keepdims=True)
-    window = np.hanning(values.shape[1])
-    power = np.abs(np.fft.rfft(about * window, axis=1)) ** 2
-    white = np.median(power[:, power.shape[1] // 2 :], axis=1) / np.log(2.0) / float(window @ window)
-    return np.asarray(about / np.sqrt(np.maximum(np.maximum(white, finest**2), 1e-300))[:, None])
+    white = spectrum_and_noise(about, finest)[1] / float(np.sum(np.hanning(values.shape[1]) ** 2))
+    return np.asarray(about / np.sqrt(np.maximum(white, 1e-300))[:, None])
 
 
 def _period(scaled: RealArray) -> int:

@@ -35,8 +35,8 @@ def verified(
     """Return a start from which `identify` finds the modes of a trial, and a doubt if there is none.
 
     A trial fits means over blocks of ``size`` samples, which hide a few forced samples; `identify` fits all samples.
-    The signal holds the moving channels; the decay has the samples ``begin`` to ``last`` (excluded). Later starts are
-    tried if it may be ``moved``.
+    The signal holds the moving channels; the decay has the samples ``begin`` to ``last`` (excluded). If it may
+    be ``moved``, later starts are tried too.
     """
     first_doubt: Remark | None = None
     usable: int | None = None

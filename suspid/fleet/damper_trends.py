@@ -12,14 +12,16 @@ from suspid.errors import InputError
 from suspid.fleet.trends import Measured, trends_of
 from suspid.greybox import Estimate
 from suspid.model import Suspension
-from suspid.performance import Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
+from suspid.performance import LEVELS, Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
 from suspid.results import Result
 from suspid.text_tables import TERMINAL, text_table
 from suspid.values import MOST_NAMES
-from suspid.words import DamperState
+from suspid.words import Check, DamperState, Level, Remark, TrendCheck, TrendHeadline, Verdict
 
 # Between a vehicle and its damper in the name of a trend; no name of a strut has a dot.
 BETWEEN = "."
+# States of dampers in the order in which a reader needs them.
+GRAVEST = (DamperState.WORN, DamperState.WATCH, DamperState.CANNOT_TELL, DamperState.GOOD)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,6 +90,26 @@ class DamperTrends(Result):
         """
         return replace(self, trends=tuple(one for one in self.trends if one.state is not DamperState.GOOD))
 
+    @property
+    def verdict(self) -> Verdict:
+        """Which dampers are worn, to watch, good or cannot be told: a check for each state.
+
+        Examples
+        --------
+        >>> from suspid import WearRule
+        >>> from suspid.fleet import DamperTrends
+        >>> DamperTrends(trends=(), rule=WearRule()).verdict.level.label
+        'none'
+        """
+        headline = Remark(TrendHeadline.DAMPERS, {"dampers": len(self.trends)})
+        if not self.trends:
+            return Verdict(headline, (Check(Remark(TrendCheck.NOTHING), Level.NONE),))
+        names = {state: tuple(f"{o.vehicle} {o.damper}" for o in self.trends if o.state is state) for state in GRAVEST}
+        checks = (
+            Check(Remark(TrendCheck(state.value), {"names": some}), LEVELS[state]) for state, some in names.items()
+        )
+        return Verdict(headline, tuple(check for check in checks if check.remark.numbers["names"]))
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         return {
             "vehicle": [one.vehicle for one in self.trends],
@@ -106,22 +128,25 @@ class DamperTrends(Result):
         return ", ".join([*lost[:MOST_NAMES], *more]) or str(self)
 
     def __str__(self) -> str:
-        if not self.trends:
-            return "no trend: a vehicle needs at least four drives in which a damper was found"
-        percent = f"{100 * (1 - self.rule.rate):g} % certain"
-        return text_table(
-            {
-                "vehicle": [one.vehicle for one in self.trends],
-                "damper": [one.damper for one in self.trends],
-                "tests": [str(one.drives) for one in self.trends],
-                "verdict": [str(one.state) for one in self.trends],
-                "lost": [f"{one.loss.value:z.1%}" for one in self.trends],
-                f"at least, {percent}": [f"{one.loss.low:z.1%}" for one in self.trends],
-                "at most": [f"{one.loss.high:z.1%}" for one in self.trends],
-                "scatter": [f"{one.scatter:.1%}" for one in self.trends],
-            },
-            widest=TERMINAL,
-        )
+        return f"{losses_table(self)}\n\n{self.verdict}" if self.trends else str(TrendCheck.NOTHING.words)
+
+
+def losses_table(found: DamperTrends) -> str:
+    """Return the losses of dampers with their intervals as a table of text."""
+    percent = f"{100 * (1 - found.rule.rate):g} % certain"
+    return text_table(
+        {
+            "vehicle": [one.vehicle for one in found.trends],
+            "damper": [one.damper for one in found.trends],
+            "tests": [str(one.drives) for one in found.trends],
+            "verdict": [str(one.state) for one in found.trends],
+            "lost": [f"{one.loss.value:z.1%}" for one in found.trends],
+            f"at least, {percent}": [f"{one.loss.low:z.1%}" for one in found.trends],
+            "at most": [f"{one.loss.high:z.1%}" for one in found.trends],
+            "scatter": [f"{one.scatter:.1%}" for one in found.trends],
+        },
+        widest=TERMINAL,
+    )
 
 
 @explained
@@ -199,8 +224,7 @@ def trends_of_rates(rows: Iterable[tuple[str, str, float, Rates]], rule: WearRul
                 state=rule.state(low, high),
             )
         )
-    grave = (DamperState.WORN, DamperState.WATCH, DamperState.CANNOT_TELL, DamperState.GOOD)
-    found.sort(key=lambda one: (grave.index(one.state), -one.loss.value, one.vehicle, one.damper))
+    found.sort(key=lambda one: (GRAVEST.index(one.state), -one.loss.value, one.vehicle, one.damper))
     return DamperTrends(trends=tuple(found), rule=rule)
 
 

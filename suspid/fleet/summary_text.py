@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from suspid.fleet.damper_trends import DamperTrends
+from suspid.fleet.damper_trends import DamperTrends, losses_table
 from suspid.fleet.distributions import FEWEST_RECORDS, Distribution, known_columns
 from suspid.fleet.trends import Trend
 from suspid.text_tables import COLUMN_GAP, TERMINAL, figures_of, sentence_table, text_table
@@ -126,7 +126,8 @@ def dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:
     said = "\n".join(filter(None, [said, left_out]))
     if not doubtful.trends:
         return said
-    return f"{said}\n\n{replace(doubtful, trends=doubtful.trends[:MOST_SHOWN])}{more_than_shown(len(doubtful.trends))}"
+    shown = losses_table(replace(doubtful, trends=doubtful.trends[:MOST_SHOWN]))
+    return f"{said}\n\n{shown}{more_than_shown(len(doubtful.trends))}"
 
 
 def more_than_shown(number: int) -> str:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from suspid.units import Hertz, Ratio, RealArray, Second
 
 PERIODOGRAM: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow compared with any damped body mode
-# Windows that half overlap and are tapered: independent ones that each counts for, and lines over which one spreads
+# Tapered windows that overlap by half: how many independent windows each is worth, and over how many lines it spreads
 # (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
 WORTH, LINE_WIDTH = 9 / 11, 1.5
 MIDDLE: Hertz = 1.5  # about which the bend is

@@ -24,7 +24,7 @@ from suspid.units import RealArray, Second
 # Left out at both ends of a record, where the motion between the samples is not known: time, and at most this share.
 END: Second = 1.0
 END_SHARE = 0.05
-# Lines just below the corner of the filter, as shares of it, where force and travel are noise more than motion.
+# Range of frequencies, as shares of the filter's corner, in which force and travel are mostly noise.
 NOISY_LINES = (0.8, 1.0)
 # A strut sticks where its velocity is within this many errors of rest over this many samples or more: a velocity that
 # changes its sign in motion is through in less than one. Friction has no law there; samples beside it are left out too.

@@ -30,8 +30,8 @@ WHITENING_ROUNDS = 4
 MOTION_ROUNDS = 3
 # Where it begins: noise of the motion of very good accelerometers [m/s2].
 FIRST_NOISE = 0.01
-# Of a residual's spectrum lines count from this multiple of the lowest frequency on, where it is lowered by 8 %, and
-# the mean of neighbours: the least of single lines is half of what it is on average.
+# Lowest line of the residual's spectrum that is used, as a multiple of the lowest frequency: there the filter lowers it
+# by 8 %. Neighbouring lines are averaged, because the smallest of single lines is half of the mean.
 HARDLY_LOWERED, ALIKE_LINES = 1.5, 3
 # Left out at both ends, where the motion is not known: a period of the lowest frequency that is used.
 AT_ENDS: Second = 1.0 / LOWEST

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -350,8 +350,6 @@ class DamperCurve(Result):
         >>> found.strut.name, found.strut.linear
         ('chassis', False)
         """
-        from dataclasses import replace
-
         nominal = next(s for s in self.suspension.struts if s.name == self.name)
         return replace(
             nominal,
@@ -380,8 +378,6 @@ class DamperCurve(Result):
         >>> found.car.struts[0] == found.strut
         True
         """
-        from dataclasses import replace
-
         struts = [self.strut if s.name == self.name else s for s in self.suspension.struts]
         return replace(self.suspension, struts=struts)
 

@@ -12,8 +12,8 @@ from suspid.model import Suspension
 from suspid.units import RealArray
 from suspid.wording import Argument
 
-# Standard deviation of a combination, in the logarithm of springs and masses and in units of a nearly critical damper,
-# from which on it is not determined: not even within a factor of e.
+# Standard deviation above which a combination of unknowns counts as undetermined: springs and masses in their logarithm
+# (a factor of e), dampers in units of a nearly critical one.
 UNDETERMINED = 1.0
 NEXT_TO_NOTHING = 1e-3  # of what 1 means of an unknown: shares of smaller values would be all that is named
 NAMED_SHARE = 0.05  # of a combination: below it a parameter is not named

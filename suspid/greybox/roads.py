@@ -143,7 +143,7 @@ def road_estimate(
     )
     if track.speeds is None:
         return found
-    # In time the density is ``G(f) = G_d(f / v) / v``, one-sided; power at the lines is half of it over the step.
+    # In time the density is ``G(f) = G_d(f / v) / v``, one-sided; the power at a line is ``G / (2 step)``.
     speeds: RealArray = np.exp(track.log_speed)
     ratio, components = np.log(REFERENCE * speeds / REFERENCE_HERTZ), model.departure(np.log([REFERENCE]))[0]
     logarithm = np.log(2 * step * speeds) + levels - own[0] * ratio + components @ own[1 : 1 + parts]

@@ -19,8 +19,8 @@ from suspid.reconstruction import Unknowns
 from suspid.units import Hertz, Second
 
 # The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 27 Hz for most cars. Below it
-# accelerations hold little, above it the wheels' motion hardly moves the body. What tells delays from mounts, and roads
-# from tires, stands on the far side of the wheels' modes.
+# accelerations hold little, above it the wheels' motion hardly moves the body. Delays are
+# told from mounts, and roads from tires, above the wheels' modes.
 BELOW, ABOVE = 0.4, 2.5
 STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
 

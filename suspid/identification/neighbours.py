@@ -16,7 +16,7 @@ from suspid.units import ComplexArray, RealArray
 # Where a further pair is tried: this far from a fitted one, in its decay rates, in as many directions. Between them
 # a refit finds the way; more places cost time.
 RADII, AROUND = (0.5, 1.0), 8
-# Numbers that the places tried at once hold: more only cost memory.
+# Size of the arrays of places that are tried at once. Larger ones take more memory and save no time.
 AT_ONCE = 1_000_000
 
 

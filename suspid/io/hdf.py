@@ -107,7 +107,7 @@ def _class_of(data: h5py.Dataset) -> str:
 
 
 def _references(data: h5py.Dataset, count: Iterator[int]) -> NDArray[Any]:
-    """Return the references of a data set, not more of them than a record has variables."""
+    """Return the references of a data set; more than a record may have variables are refused."""
     if _in_memory(data) > most_bytes(0):
         raise RecordError("is damaged: its references take more memory than any record")
     if next(count) + data.size > MOST_VARIABLES:

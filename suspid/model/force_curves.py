@@ -60,7 +60,7 @@ def slopes(points: Curve) -> RealArray:
 
 
 def piecewise(points: Curve, velocity: RealArray) -> RealArray:
-    """Return the force [N] at velocities [m/s], beyond the points with the slopes of the ends."""
+    """Return the force [N] at velocities [m/s], extrapolated with the slopes at the ends."""
     table, rate = np.array(points, float), slopes(points)
     piece = np.clip(np.searchsorted(table[:, 0], velocity) - 1, 0, len(rate) - 1)
     return np.asarray(table[piece, 1] + rate[piece] * (velocity - table[piece, 0]))

@@ -11,6 +11,7 @@ Names for other packages alone are imported ``as`` themselves and stay out of it
 """
 
 from suspid.performance.active_tuning import ActiveTuning
+from suspid.performance.classify_road import classify_road
 from suspid.performance.damper_rates import dampers_between as dampers_between
 from suspid.performance.damper_rates import dampers_of as dampers_of
 from suspid.performance.damper_rates import parallel_spring as parallel_spring
@@ -33,7 +34,7 @@ from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
 from suspid.performance.rides import power_ends as power_ends
 from suspid.performance.road_classes import ROAD_LIMITS as ROAD_LIMITS
-from suspid.performance.road_classes import RoadClass, classify_road
+from suspid.performance.road_classes import RoadClass
 from suspid.performance.sensitivities import Sensitivities, sensitivities
 from suspid.performance.sensitivities import per_cent as per_cent
 from suspid.performance.tune import tune
@@ -41,6 +42,7 @@ from suspid.performance.tune_active import tune_active
 from suspid.performance.tune_damper import tune_damper
 from suspid.performance.tunings import Tuning
 from suspid.performance.wear import wear
+from suspid.performance.wear_checks import LEVELS as LEVELS
 from suspid.performance.wears import DamperWear, Wear
 from suspid.performance.wears import ParameterChange as ParameterChange
 from suspid.performance.weightings import weighting

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from suspid.greybox import DamperCurve
-from suspid.performance.losses import TESTS, Rates, WearRule, loss_of
+from suspid.performance.losses import Rates, WearRule, loss_of
 from suspid.performance.wear_checks import LEVELS, said_of_loss
 from suspid.performance.wears import DamperWear
 from suspid.units import MetrePerSecond
@@ -41,7 +41,7 @@ def wear_by_curve(
     """Return the wear of a damper by its curve, against curves of earlier drives at the least amplitude of all."""
     amplitude = min(float(np.sqrt(2) * one.velocity_std) for one in (now, *before))
     new, rates = rates_at(now, amplitude), [rates_at(one, amplitude) for one in before]
-    loss = loss_of(new, rates, rule, tests=TESTS)
+    loss = loss_of(new, rates, rule)
     state = rule.state(loss.low, loss.high)
     by = Remark(WearCheck.BY_CURVE, {"damper": damper, "amplitude": amplitude, "damping": new.damping})
     return DamperWear(

@@ -133,7 +133,7 @@ def lift_rate(m: Moment, _: Second, static: Static) -> tuple[float, RealArray]:
 
 
 def crossings(limits: tuple[Metre, Metre]) -> Formula:
-    """Return the formula of how often a second a Gaussian travel exceeds one of two limits."""
+    """Return the formula of the rate at which a Gaussian travel exceeds either of two limits [1/s]."""
 
     def rate(m: Moment, _: Second, __: Static) -> tuple[float, RealArray]:
         parts = [exceedances(m.rises, limit / m.rms) for limit in limits]

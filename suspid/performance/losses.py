@@ -119,10 +119,10 @@ class Loss:
     spring: bool = False
 
 
-def loss_of(now: Rates, before: Sequence[Rates], rule: WearRule, *, nominal: bool = False, tests: int = TESTS) -> Loss:
+def loss_of(now: Rates, before: Sequence[Rates], rule: WearRule, *, nominal: bool = False) -> Loss:
     """Return what a damper has lost since earlier estimates, or against its nominal rate.
 
-    ``tests`` is the number of tests of one damper, which share the rate of the rule.
+    The tests of one damper share the rate of the rule.
 
     Examples
     --------
@@ -135,15 +135,15 @@ def loss_of(now: Rates, before: Sequence[Rates], rule: WearRule, *, nominal: boo
     """
     from scipy.special import ndtri
 
-    quantile = float(-ndtri(rule.rate / tests))
+    quantile = float(-ndtri(rule.rate / TESTS))
     loads = rule.load_std**2 * (1 + (0 if nominal else 1 / len(before)))
     springs, gap = _spring_variance(now, before, rule, nominal=nominal)
     told = now.stiffness > 0 and all(one.stiffness > 0 for one in before)
     share = loads / (loads + springs) if told and loads > 0 else 0.0
-    loss = _interval(now, before, rule, share, nominal=nominal, tests=tests)
+    loss = _interval(now, before, rule, share, nominal=nominal)
     if not told or abs(gap) <= quantile * np.sqrt(loads + springs):
         return loss
-    alone = _interval(now, before, rule, 0.0, nominal=nominal, tests=tests)
+    alone = _interval(now, before, rule, 0.0, nominal=nominal)
     return Loss(value=loss.value, low=min(loss.low, alone.low), high=max(loss.high, alone.high), spring=True)
 
 
@@ -158,7 +158,7 @@ def _spring_variance(now: Rates, before: Sequence[Rates], rule: WearRule, *, nom
     return own + between, gap
 
 
-def _interval(now: Rates, before: Sequence[Rates], rule: WearRule, share: float, *, nominal: bool, tests: int) -> Loss:
+def _interval(now: Rates, before: Sequence[Rates], rule: WearRule, share: float, *, nominal: bool) -> Loss:
     """Return the loss if ``share`` of the change of the spring is that of the mass."""
     from scipy import stats
 
@@ -171,9 +171,9 @@ def _interval(now: Rates, before: Sequence[Rates], rule: WearRule, share: float,
     g = share * float(now.covariance[0, 1]) / (scale * now.stiffness) if share else 0.0
     if count >= ENOUGH_DRIVES:
         s2 = float(np.var(logs, ddof=1)) * fresh
-        z = float(stats.t.isf(rule.rate / tests, count - 1))
+        z = float(stats.t.isf(rule.rate / TESTS, count - 1))
     else:
-        z = float(stats.norm.isf(rule.rate / tests))
+        z = float(stats.norm.isf(rule.rate / TESTS))
         s2 = sum(float(spread @ one.relative @ spread) for one in before) / count**2
         s2 += fresh * (rule.damper_std**2 + (share * rule.spring_std) ** 2 + ((1 - share) * rule.load_std) ** 2)
         s2 += (1 + share**2) * rule.nominal_std**2 if nominal else 0.0

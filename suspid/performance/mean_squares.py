@@ -29,7 +29,7 @@ LEAST_FREEDOM = 1.0
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Vibration:
-    """Covariance of the Gaussian vibration in a record over some lags, and what stands beside it."""
+    """Autocovariance of the Gaussian vibration in a record, and the mean squares of its tones."""
 
     covariance: RealArray  # (lag,), of a sum over as many products as samples
     count: int  # samples

@@ -79,7 +79,7 @@ def plant(
             "a mode has no damping: on a random road it grows without bound, so there is nothing to compare with; "
             "add damping to a strut that moves in it"
         )
-    # Where the road stands higher the car does, at rest: A lift + B_road = 0.
+    # On a road that is higher by 1 m the car at rest is higher by ``lift``: A lift + B_road = 0.
     lift = -np.linalg.solve(A, B[:, 0])
     infinite = [name for name, row in zip(outputs, D, strict=True) if row[1]]
     if infinite:

@@ -20,12 +20,11 @@ from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride
-from suspid.performance.road_classes import class_of
 from suspid.performance.road_response import Signals, densities
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.performance.weightings import weighting_named
 from suspid.results import Result
-from suspid.simulation import ROUGHNESS, Road, places_of
+from suspid.simulation import ROUGHNESS, Road, places_of, road_class
 from suspid.simulation import road as road_of
 from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import FrozenItems, frozen_real, within_numbers
@@ -245,10 +244,9 @@ def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdic
         checks.append(Check(Remark(RideCheck.STAYED_NOMINAL, {"names": about.nominal}), Level.CARE))
     if about.known:
         checks.append(Check(Remark(RideCheck.KNOWN, {"names": about.known}), Level.NOTE))
-    headline = Remark(
-        RideHeadline.DRIVEN, {"speed": driven.speed, "roughness": driven.roughness, "class": class_of(driven.roughness)}
-    )
-    return Verdict(headline, tuple(checks))
+    roughness = driven.roughness
+    said: dict[str, Number] = {"speed": driven.speed, "roughness": roughness, "class": road_class(roughness)}
+    return Verdict(Remark(RideHeadline.DRIVEN, said), tuple(checks))
 
 
 def _comforts(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:

@@ -68,7 +68,9 @@ def nodes(road: Road, parts: int, car: Suspension | None = None) -> tuple[RealAr
 
 
 def _about_resonances(car: Suspension, widest: Ratio) -> RealArray:
-    """Return ends of panels about the resonances of a car [Hz], from half their half width on twice as far each time.
+    """Return ends of panels of quadrature about the resonances of a car [Hz].
+
+    The first is half a half width from the resonance, each further one twice as far.
 
     The panels are at most as wide as ``widest`` times the frequency. A panel is no wider than its distance from the
     pole, so that points of Gauss converge fast.

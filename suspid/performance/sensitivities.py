@@ -25,7 +25,7 @@ from suspid.results import Result
 from suspid.simulation import Road
 from suspid.text_tables import TERMINAL, figures_of, text_table
 from suspid.units import ComplexArray, Metre, RealArray, Second
-from suspid.values import check_names, frozen_real, listed, nearest_names
+from suspid.values import check_parameters, frozen_real, listed, nearest_names
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -155,7 +155,7 @@ def sensitivities(
     check_exposure(duration)
     if parameters is None:
         parameters = [name for name in parameter_names(about) if known[name] and not name.endswith(".mass")]
-    check_names("parameters", parameters, "chassis.damping")
+    check_parameters(parameters)
     if road is None and (speed is not None or weightings is not None or clearance is not None):
         raise InputError("speed, weightings and clearance need a road; without one only modes are computed")
     for name in parameters:

@@ -109,7 +109,7 @@ def wear(
         new = rates_of(now, strut.name)
         if not all(one.damping > 0 for one in rates):
             continue
-        loss = loss_of(new, rates, rule, nominal=not earlier, tests=TESTS)
+        loss = loss_of(new, rates, rule, nominal=not earlier)
         phase = said_of_phase(strut.name, wheel, former, after, quantile) if wheel else None
         state = rule.state(loss.low, loss.high)
         checks = list(said_of_loss(strut.name, loss, state, rule, new, rates))

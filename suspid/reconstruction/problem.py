@@ -20,7 +20,6 @@ from suspid.words import ReconstructionNote, Remark
 PULL = 0.01  # towards the nominal values, beside relative errors of poles, where there are too few poles
 BLIND = 1e-8  # of the largest singular value: what the data do not see
 LARGEST = 1e9  # of the scale of an unknown: where there is no bound
-NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
@@ -165,8 +164,7 @@ class Problem:
         """Return the minimum near x of the deciding residual, or of the polynomials at the poles."""
         u = self.unknowns
         equations = self.spectral if by_poles else self.deciding
-        negligible = NEGLIGIBLE if self.weighted and not by_poles else 0.0
-        return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=negligible)
+        return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper)
 
     def answer(self, x: RealArray) -> Optimum:
         """Return the optimum that convex programs give: one alone if equations that are linear are exact, else from x.
@@ -178,16 +176,7 @@ class Problem:
             residual, slope = self.linear
             best = least_squares(slope, -residual, Limits(low=u.lower, high=np.minimum(u.upper, LARGEST)))
             return replace(best, x=u.settled(best.x))
-        negligible = NEGLIGIBLE if self.weighted else 0.0
-        best = converged(
-            self.deciding,
-            x,
-            positive=u.positive,
-            lower=u.lower,
-            upper=u.upper,
-            negligible=negligible,
-            wishes=self.wishes,
-        )
+        best = converged(self.deciding, x, positive=u.positive, lower=u.lower, upper=u.upper, wishes=self.wishes)
         return replace(best, x=u.settled(best.x))
 
     def alternative(self, x: RealArray, cost: float) -> RealArray:
@@ -196,7 +185,7 @@ class Problem:
             return x
         left = slope_left(self.deciding, x, self.unknowns.lower, self.unknowns.upper)
         # An alternative from which a step gains less than 1e-9 of the squared residual needs no program of its own.
-        if left * cost**2 <= (NEGLIGIBLE if self.weighted else 1e-9 * cost**2):
+        if left <= 1e-9:
             return x
         return self.answer(x).x
 

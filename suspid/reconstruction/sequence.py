@@ -24,14 +24,12 @@ def converged(
     positive: NDArray[np.bool_],
     lower: RealArray,
     upper: RealArray,
-    negligible: float = 0.0,
     wishes: Wishes | None = None,
 ) -> Optimum:
     """Return the minimum near x of the squared norm of the equations plus the penalty; the last program proves it.
 
-    The start keeps to the constraints. What is ``positive`` is scaled by its own value; a gain of the objective up to
-    ``negligible`` is not worth a step. The ``left`` of the result is the share of the objective that the last program
-    still promised.
+    The start keeps to the constraints. What is ``positive`` is scaled by its own value. The ``left`` of the result is
+    the share of the objective that the last program still promised.
     """
     radius = LARGEST_STEP
     residual, slope = equations(x)
@@ -50,7 +48,7 @@ def converged(
         if gained > 0:
             x, residual, slope, objective = trial, trial_residual, trial_slope, reached
         largest = float(np.max(np.abs(step.x)))
-        arrived = expected <= max(NEGLIGIBLE_SHARE * before, negligible) or largest < 1e-13
+        arrived = expected <= NEGLIGIBLE_SHARE * before or largest < 1e-13
         # Steps below it that gain nothing are rounding: the squared residual has a flat minimum.
         if arrived or (gained <= 0 and largest < 1e-6):
             break

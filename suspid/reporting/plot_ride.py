@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # Accelerations on one page, and decades of a spectrum below its peak that are drawn.
 MOST_SPECTRA, DECADES_DRAWN = 5, 5
-# Frequencies that are drawn, those that a weighting can feel [Hz].
+# Range of frequencies that is drawn: that of the weightings [Hz].
 LOWEST_FELT, HIGHEST_FELT = 0.05, 200.0
 # Width of a figure from which on figures fit next to the name of a channel [inch].
 ROOM_FOR_FIGURES = 6.0

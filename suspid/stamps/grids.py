@@ -15,7 +15,7 @@ from suspid.units import RealArray, Second
 # Width that the band of residuals may have beyond the rounding, in steps, tried in this order. One row missing
 # in the middle of a record widens the narrowest band by half a step: gaps are looked for before more is allowed.
 JITTERS = ((0.0, 0.2, 0.4), (0.8,))
-# Gaps a row: above this share, it is not the rows that are missing, but the step that is wrong.
+# Largest number of gaps per row. Where there are more, the step is wrong, not the rows missing.
 MOST_GAPS = 0.1
 # Where the usual step is the resolution itself, a longer step is either a missing row or the beat of another rate with
 # the rounding. One or two say nothing about that, and rows are taken to be missing. Of more, a line of another rate

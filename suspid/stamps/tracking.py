@@ -60,7 +60,7 @@ def _with_holes(times: RealArray, step: Second, slack: Second) -> tuple[Indices,
     start = float(times[0])
     for _ in range(4):
         start, step, _ = line(places, times)
-        # A hole is counted anew with the better step: a long one holds many.
+        # The missing rows of each gap are counted again with the better step, which matters for long gaps.
         again = np.where(jumps > 1, np.clip(np.round(steps / step), 1, LONGEST_HOLE), 1)
         counted = np.concatenate([[0], np.cumsum(again)]).astype(np.intp)
         if np.array_equal(counted, places):

@@ -18,7 +18,7 @@ from suspid.words.reasons import Reason
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict, label_in_words
-from suspid.words.wear import DamperState, WearCheck, WearHeadline
+from suspid.words.wear import DamperState, TrendCheck, TrendHeadline, WearCheck, WearHeadline
 
 __all__ = [
     "ASIDE",
@@ -54,6 +54,8 @@ __all__ = [
     "Remark",
     "Step",
     "Suspect",
+    "TrendCheck",
+    "TrendHeadline",
     "Verdict",
     "WearCheck",
     "WearHeadline",

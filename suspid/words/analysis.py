@@ -33,12 +33,27 @@ def _channels(n: Mapping[str, Number]) -> str:
     )
 
 
+def _largest_motion(n: Mapping[str, Number]) -> str:
+    along = "largest motion: {explained:.1%} along an axis {apart_deg:.2f} deg from up; ".format_map(n)
+    return along + ("they agree" if n["agree"] else "they do not agree, the motion is not mainly vertical")
+
+
 class Note(Code):
     """What was done with a recording, in the order in which it happened."""
 
     CONVERTED = "converted", "channel {channel!r} was converted from {unit} to {si} (factor {factor:.6g})"
     NOT_CONVERTED = "not converted", "channel {channel!r} was not converted: {why}"
-    VERTICAL = "vertical", "{found}"
+    VERTICAL = (
+        "vertical",
+        "up: {axes}, by {by}; {tilt_deg:.2f} ± {std_deg:.2g} deg off {nearest}; {explained:.1%} of the motion is along "
+        "it",
+    )
+    GRAVITY = "gravity", "gravity: {gravity:.4g} {unit}, subtracted"
+    NO_GRAVITY = (
+        "no gravity",
+        "gravity: not measured (the mean of the three channels is {gravity:.4g}); up may be down",
+    )
+    LARGEST_MOTION = "largest motion", _largest_motion
     WHOLE_RECORD = "whole record", _stands_out
     OUTSIDE = (
         "outside",
@@ -123,7 +138,7 @@ class Note(Code):
     )
     RESAMPLED = (
         "resampled",
-        "{name} was resampled from {rate:.7g} to {onto:.7g} Hz, the rate of the first; error below {error:.1e} "
+        "{name} was resampled from {rate:.7g} to {onto:.7g} Hz, the rate of the first record; error below {error:.1e} "
         "of the motion",
     )
     NO_SPRINGS = "no springs", "springs and dampers were not found from the modes: {why}"

@@ -45,8 +45,8 @@ def _unexplained(numbers: Numbers) -> str:
     if "caused" in numbers:
         said = (
             f"This car does not explain the records with any springs and dampers: a residual of "
-            f"{100 * numbers['caused']:.2g} % of the motion of {numbers['follower']} follows what moved the car, which "
-            f"noise does not ({chi_square}). The intervals do not allow for a wrong topology."
+            f"{100 * numbers['caused']:.2g} % of the motion of {numbers['follower']} is correlated with the input, "
+            f"which noise is not ({chi_square}). The intervals do not allow for a wrong topology."
         )
     else:
         said = (
@@ -164,7 +164,7 @@ class EstimateCheck(Code):
     SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
     CANCELS = (
         "cancels",
-        _listed("Fixed at nominal, because they do not act once the motion of {given} is given: {names}."),
+        _listed("Fixed at nominal, because they have no effect where the motion of {given} is measured: {names}."),
     )
     STILL = "still", _listed("The modes are those with {names} fixed in place.")
     ROAD = (

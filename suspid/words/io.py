@@ -111,7 +111,7 @@ class LeftOut(Code):
     SAME_TIME = "same_time", "is the same time as {other!r}"
     LIKE_TIME = "like_time", "reads like a time"
     PARTS = "parts", "holds the parts of a second, beside the time {other!r}"
-    SPARE_TIMES = "spare_times", "contains times of day; a column of numbers is the time"
+    SPARE_TIMES = "spare_times", "contains times of day, which are not needed: another column is the time"
     SEVERAL_TIMES = "several_times", "contains times of day, as other columns do; name the time"
     NO_TIME = "no_time", "has no time; name its column of time, or give the sampling rate"
     SIZE = "size", "has {samples} samples, time {time!r} has {stamps}"

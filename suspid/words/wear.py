@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, TypeAlias
 
-from suspid.words.remarks import Code, in_a_row, sentence
+from suspid.words.remarks import MOST_LISTED, Code, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -17,6 +18,13 @@ ASSUMED = {
     "(standard deviations)",
     "history": "the last drive differs from the earlier ones as these among themselves",
 }
+
+
+def _followed(numbers: Numbers, *, state: str) -> str:
+    names = numbers["names"]
+    others = len(names) - MOST_LISTED
+    listed = [*names[:MOST_LISTED], f"{others} others"] if others > 1 else names
+    return f"{count(len(names), 'damper')} {state}: {in_a_row(listed)}."
 
 
 def _rates(numbers: Numbers) -> str:
@@ -110,3 +118,19 @@ class WearCheck(Code):
     UNTRUSTED = "untrusted", "The estimate {which} is {level}: dampers cannot be judged from it."
     NOT_USED = "not used", "The estimate {which} is {level} and was not used: the dampers are judged by their curves."
     RATES = "rates", _rates
+
+
+class TrendHeadline(Code):
+    """How many dampers were followed over their drives."""
+
+    DAMPERS = "dampers", sentence(lambda n: f"{count(n['dampers'], 'damper')} followed over time")
+
+
+class TrendCheck(Code):
+    """Which dampers are in each state after their drives."""
+
+    NOTHING = "no trend", "no trend: a vehicle needs at least four drives in which a damper was found"
+    WORN = "worn", sentence(partial(_followed, state="worn"))
+    WATCH = "watch", sentence(partial(_followed, state="to watch"))
+    CANNOT_TELL = "cannot tell", sentence(partial(_followed, state="cannot be told from worn or good"))
+    GOOD = "good", sentence(partial(_followed, state="good"))

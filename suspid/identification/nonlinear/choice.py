@@ -30,8 +30,8 @@ LONGEST_FITTED, LONGEST_RUBBED, LONGEST_BLIND, MOST_MASSES = 4000, 3000, 1500, 3
 ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 WITHIN_REACH = 0.5
-# Where no force was found, loss per sample by which what one kind promises may be above it: steps of a fit gain more
-# than that only rarely, and each kind takes seconds.
+# Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
+# present one, per sample: a fit rarely gains more, and each takes seconds.
 PROMISED_REACH = 1.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)

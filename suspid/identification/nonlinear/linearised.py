@@ -74,11 +74,12 @@ def _seen(fit: StructureFit, window: slice) -> NDArray[np.bool_]:
     return np.asarray(sizes * over > SURE)
 
 
-def slopes_of(fit: StructureFit, window: slice = slice(None)) -> tuple[ComplexArray, RealArray]:
+def slopes_of(fit: StructureFit) -> tuple[ComplexArray, RealArray]:
     """Return the mean poles (pole,) and their derivatives by the parameters, (Re and Im of each pole, parameter)."""
     near = fit.nearby
-    own = mean_poles(fit, fit.structures, fit.motion, window)[0]
-    apart = (mean_poles(fit, near.structures, near.motion, window) - own) / near.steps[:, None]
+    whole = slice(None)
+    own = mean_poles(fit, fit.structures, fit.motion, whole)[0]
+    apart = (mean_poles(fit, near.structures, near.motion, whole) - own) / near.steps[:, None]
     return own, np.stack([apart.real, apart.imag], axis=2).reshape(len(near.steps), -1).T
 
 

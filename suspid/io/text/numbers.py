@@ -71,7 +71,7 @@ def loaded(rows: str | Sequence[str], count: int, use: Sequence[int], layout: La
             return None
         whole = whole.replace(",", ".")
         rows = whole if isinstance(rows, str) else whole.split("\n")
-    # A text as a file: to split it takes as long as half of its numbers.
+    # The text is read as a file: splitting it into lines would take half as long as reading its numbers.
     lines = io.StringIO(rows) if isinstance(rows, str) else rows
     try:
         values = np.loadtxt(lines, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)

@@ -188,7 +188,7 @@ def _is_row(text: str, layout: Layout) -> bool:
     if not layout.names[-1]:
         # The delimiter at the end of a row may be absent, but nothing may follow it.
         return len(cells) == width - 1 or (len(cells) == width and not cells[-1])
-    # Delimiters at the end of single rows hold nothing.
+    # Empty cells behind the last column of a row are dropped.
     if not any(cells[width:]):
         cells = cells[:width]
     kinds = {kind_of(cell, comma=layout.dialect.comma) for cell in cells}
