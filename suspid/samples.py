@@ -7,12 +7,13 @@ record is therefore held as `Samples`, which have the attributes of a response t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from suspid.signals import Signal, checked
 from suspid.units import RealArray
 
 if TYPE_CHECKING:
@@ -45,6 +46,15 @@ class Samples:
     inputs: RealArray | None
     input_labels: list[str] | None
     title: str | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What follows from the fields is not written along with them.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def signal(self) -> Signal:
+        """The samples as a signal, checked once."""
+        return checked(self)
 
     @cached_property
     def response(self) -> control.TimeResponseData:
