@@ -181,13 +181,14 @@ def _folded_sums(folded: RealArray, theta: ComplexArray) -> ComplexArray:
     _, blocks, size = folded.shape
     inner, outer = _powers(theta.conj(), size, blocks)
     # Real times complex as one real product: numpy would first make the record complex.
-    partial = folded @ inner.view(float)
-    return np.asarray(np.einsum("rbi,bi->ri", partial.view(complex), outer))
+    partial = (folded @ inner.view(float)).view(complex)
+    return np.asarray((outer.T[:, None] @ partial.T)[:, 0].T)
 
 
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
     """Return ``exp(theta b)``, (sample, exponent), and ``exp(theta B a)``, (block, exponent)."""
-    return _successive(np.exp(theta), size), _successive(np.exp(size * theta), blocks)
+    powers = _successive(np.exp(np.concatenate([theta, size * theta])), max(size, blocks))
+    return powers[:size, : len(theta)], powers[:blocks, len(theta) :]
 
 
 def _successive(ratio: ComplexArray, count: int) -> ComplexArray:
