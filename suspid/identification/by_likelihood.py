@@ -113,7 +113,7 @@ def by_likelihood(
         modes=modes,
         fitted=as_samples(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
         residual=as_samples(signal.timepts, left, signal.channels, title="Residual"),
-        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / freedom)),
+        noise_std=frozen_real(np.sqrt(np.einsum("ck,ck->c", left, left) / freedom)),
         loudness=loudness,
         considered=considered,
         steps=steps,

@@ -67,7 +67,7 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     inverse = inverse.conj().T @ inverse
     # For a real record the inner products with conjugate exponentials are conjugate.
     distinct = np.concatenate([poles.pairs, poles.reals, poles.nuisances])
-    half = blocks.project(distinct).transpose(0, 2, 1)
+    half = blocks.project(distinct)
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
     amplitudes = inverse @ zeroth
     explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
