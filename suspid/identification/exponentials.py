@@ -153,9 +153,7 @@ def blocks_of(values: RealArray) -> Blocks:
     size = max(8, int(np.sqrt(count)))
     folded = np.zeros((channels, -(-count // size) * size))
     folded[:, :count] = values
-    return Blocks(
-        count=count, folded=folded.reshape(channels, -1, size), energy=np.einsum("ck,ck->c", values, values)
-    )
+    return Blocks(count=count, folded=folded.reshape(channels, -1, size), energy=np.einsum("ck,ck->c", values, values))
 
 
 def project(values: RealArray, theta: ComplexArray, *, orders: int = 1) -> ComplexArray:
@@ -177,22 +175,29 @@ def _moments(folded: RealArray, theta: ComplexArray, count: int, orders: int) ->
     and the block from the first, ``k^j`` is a binomial of both: each sample is read once.
     """
     rows, blocks, size = folded.shape
-    within, firsts = _ramps(size, blocks, count, orders)
+    within, among = _ramps(size, blocks, count, orders)
     inner, outer = _powers(theta.conj(), size, blocks)
     inner = (within * inner[:, None]).reshape(size, -1)
     # Real times complex as one real product: numpy would first make the record complex.
     partial = (folded @ inner.view(float)).view(complex).reshape(rows, blocks, orders, -1)
-    parts = (outer.T[:, None] * firsts) @ partial.transpose(3, 1, 2, 0).reshape(-1, blocks, orders * rows)
-    parts = parts.reshape(-1, orders, orders, rows)
-    return np.stack([sum((comb(j, m) * parts[:, j - m, m] for m in range(j)), parts[:, 0, j]) for j in range(orders)])
+    weights = (outer.T[:, None, None] * among).reshape(-1, orders, orders * blocks)
+    sums = weights @ partial.transpose(3, 2, 1, 0).reshape(-1, orders * blocks, rows)
+    return np.asarray(sums.swapaxes(0, 1))
 
 
 @lru_cache(maxsize=64)
 def _ramps(size: int, blocks: int, count: int, orders: int) -> tuple[RealArray, RealArray]:
-    """Return powers of ``k / n`` for k within a block, (sample, power, 1), and for the first of each, (power, block)."""
-    powers = np.arange(orders)
-    within = (np.arange(size)[:, None, None] / count) ** powers[:, None]
-    return frozen_real(within), frozen_real((np.arange(blocks) * size / count) ** powers[:, None])
+    """Return powers of ``k / n`` for k within a block, (sample, power, 1), and what they are multiplied by in each.
+
+    The latter are the binomial terms of each power of ``k / n`` over those within, (power, power within, block).
+    """
+    within = (np.arange(size)[:, None, None] / count) ** np.arange(orders)[:, None]
+    first = np.arange(blocks) * size / count
+    among = np.zeros((orders, orders, blocks))
+    for j, m in np.ndindex(orders, orders):
+        if m <= j:
+            among[j, m] = comb(j, m) * first ** (j - m)
+    return frozen_real(within), frozen_real(among)
 
 
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:

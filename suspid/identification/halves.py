@@ -11,7 +11,7 @@ from suspid.identification.ascent import Evaluated, Known, maximize, settled
 from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import Blocks, blocks_of
 from suspid.identification.likelihood import DecayFit, evaluate, evaluate_samples
-from suspid.identification.noise import KnownNoise
+from suspid.identification.noise import KnownNoise, WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.units import RealArray
 
@@ -80,7 +80,7 @@ class _Half:
     """A part of a record at the poles of the whole."""
 
     blocks: Blocks
-    noise: KnownNoise
+    noise: WhiteNoise
     evaluated: Evaluated  # the fit at given poles
     start: DecayFit  # that at the poles of the whole
 
@@ -101,7 +101,7 @@ def _begun(values: RealArray, poles: Poles, noise_std: RealArray) -> _Half | Non
         # Over a few samples slow poles are nearly alike.
         evaluated = partial(evaluate_samples, values, noise=noise)
         start = evaluated(poles)
-    return start and _Half(blocks=blocks, noise=noise, evaluated=evaluated, start=start)
+    return None if start is None else _Half(blocks=blocks, noise=noise, evaluated=evaluated, start=start)
 
 
 def _with_unseen_held(start: DecayFit, known: Known) -> Known:
