@@ -113,11 +113,12 @@ def as_samples(
     *,
     title: str = "",
     inputs: Mapping[str, RealArray] | None = None,
+    copied: bool = True,
 ) -> Samples:
-    """Return samples (channel, sample) and inputs by name as a record; the arrays are copied."""
+    """Return samples (channel, sample) and inputs by name as a record; the arrays are copied if others have them."""
     return Samples(
-        time=np.array(timepts, float),
-        y=np.array(values, float),
+        time=np.array(timepts, float, copy=copied or None),
+        y=np.array(values, float, copy=copied or None),
         output_labels=list(channels),
         inputs=np.array(list(inputs.values()), float) if inputs else None,
         input_labels=list(inputs) if inputs else None,

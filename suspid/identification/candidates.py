@@ -56,7 +56,8 @@ def searched(fit: DecayFit, residual: RealArray, variance: RealArray) -> Points:
     count, known = residual.shape[1], fit.poles.exponents
     noise = np.sqrt(variance)[:, None]
     # Single precision suffices to choose points, for a residual of unit variance.
-    theta, inner = _largest_points((residual / noise).astype(np.float32), known[known.imag >= 0])
+    scaled = np.divide(residual, noise, out=np.empty(residual.shape, np.float32), casting="same_kind")
+    theta, inner = _largest_points(scaled, known[known.imag >= 0])
     cross = cross_sums(known.conj(), theta, count)
     return Points(theta=theta, inner=inner * noise, reals=len(_layout(count)), fit=fit, cross=cross)
 

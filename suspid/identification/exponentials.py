@@ -202,8 +202,20 @@ def _ramps(size: int, blocks: int, count: int, orders: int) -> tuple[RealArray, 
 
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
     """Return ``exp(theta b)``, (sample, exponent), and ``exp(theta B a)``, (block, exponent)."""
-    powers = np.exp(np.arange(max(size, blocks))[:, None] * np.concatenate([theta, size * theta]))
+    powers = _successive(np.exp(np.concatenate([theta, size * theta])), max(size, blocks))
     return powers[:size, : len(theta)], powers[:blocks, len(theta) :]
+
+
+def _successive(ratio: ComplexArray, count: int) -> ComplexArray:
+    """Return the powers 0 … count - 1 of numbers, (power, number), by doubling: one rounding more each time."""
+    powers = np.empty((count, len(ratio)), complex)
+    powers[0] = 1.0
+    done, last = 1, ratio
+    while done < count:
+        more = min(done, count - done)
+        np.multiply(powers[:more], last, out=powers[done : done + more])
+        done, last = done + more, last * last
+    return powers
 
 
 def real_powers(theta: ComplexArray, pairs: int, count: int) -> tuple[RealArray, ComplexArray]:
