@@ -37,17 +37,17 @@ class TestSamples:
 
     def test_samples_of_the_library_are_checked_once_and_not_copied(self) -> None:
         samples = as_samples(np.arange(5.0), np.arange(10.0).reshape(2, 5), ["a", "b"])
-        signal = as_signal(samples)  # type: ignore[arg-type]
-        assert as_signal(samples) is signal  # type: ignore[arg-type]
+        signal = as_signal(samples)
+        assert as_signal(samples) is signal
         assert np.shares_memory(signal.values, samples.y)
         assert not signal.values.flags.writeable
         with pytest.raises(RecordError, match="has 5 samples; at least 6"):
-            as_signal(samples, least=6)  # type: ignore[arg-type]
+            as_signal(samples, least=6)
 
     def test_what_follows_from_samples_is_not_pickled_with_them(self) -> None:
         samples = as_samples(np.arange(500.0), np.ones((1, 500)), ["a"])
         size = len(pickle.dumps(samples))
-        assert len(as_signal(samples).values) == len(samples.response.outputs.reshape(1, -1))  # type: ignore[arg-type]
+        assert len(as_signal(samples).values) == len(samples.response.outputs.reshape(1, -1))
         assert len(pickle.dumps(samples)) == size
         np.testing.assert_array_equal(pickle.loads(pickle.dumps(samples)).y, samples.y)
 
