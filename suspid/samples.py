@@ -7,12 +7,13 @@ record is therefore held as `Samples`, which have the attributes of a response t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from suspid.signals import Signal, checked
 from suspid.units import RealArray
 
 if TYPE_CHECKING:
@@ -45,6 +46,15 @@ class Samples:
     inputs: RealArray | None
     input_labels: list[str] | None
     title: str | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What follows from the fields is not written along with them.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def signal(self) -> Signal:
+        """The samples as a signal, checked once."""
+        return checked(self)
 
     @cached_property
     def response(self) -> control.TimeResponseData:
@@ -103,11 +113,12 @@ def as_samples(
     *,
     title: str = "",
     inputs: Mapping[str, RealArray] | None = None,
+    copied: bool = True,
 ) -> Samples:
-    """Return samples (channel, sample) and inputs by name as a record; the arrays are copied."""
+    """Return samples (channel, sample) and inputs by name as a record; the arrays are copied if others have them."""
     return Samples(
-        time=np.array(timepts, float),
-        y=np.array(values, float),
+        time=np.array(timepts, float, copy=copied or None),
+        y=np.array(values, float, copy=copied or None),
         output_labels=list(channels),
         inputs=np.array(list(inputs.values()), float) if inputs else None,
         input_labels=list(inputs) if inputs else None,

@@ -6,7 +6,7 @@ function that made it. `as_signal` checks all of this in one place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 JITTER = 0.01
 # A step that is so much longer than the usual one is a gap, and no jitter.
 GAP = 10.0
+# Samples without which there is no step.
+LEAST_SAMPLES = 2
 # Share of the sampling rate up to which filters against aliases let a motion pass: those of loggers end there.
 PASSED = 0.4
 
@@ -79,7 +81,7 @@ class Stretch(Protocol):
         ...
 
 
-def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: bool = True) -> Signal:
+def as_signal(response: control.TimeResponseData, *, least: int = LEAST_SAMPLES, copied: bool = True) -> Signal:
     """Return the checked samples of a response.
 
     Parameters
@@ -89,13 +91,23 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: boo
     least : int
         Fewest samples that are of use.
     copied : bool
-        Whether the samples are copied, so that the signal may outlive changes of the response.
+        Whether the samples of a user's response are copied, so that the signal may outlive its changes.
 
     Raises
     ------
     RecordError
         If the response is empty, too short, complex, masked, irregular in time, or holds values that are not finite.
     """
+    # `suspid.samples.Samples` are checked once.
+    own = getattr(response, "signal", None)
+    signal = own if isinstance(own, Signal) else checked(response)
+    if signal.values.shape[1] < least:
+        raise _too_short(signal.values.shape[1], least)
+    return signal if signal is own or not copied else replace(signal, values=frozen_real(signal.values))
+
+
+def checked(response: control.TimeResponseData) -> Signal:
+    """Return the samples of a response as they lie there, checked but for their number."""
     if not all(hasattr(response, name) for name in ("time", "y", "output_labels")):
         raise RecordError(
             f"expected a control.TimeResponseData, not {type(response).__name__}: write as_record(data, fs=...)"
@@ -107,11 +119,8 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: boo
         values = values[:, 0, :]
     if values.shape[1] != len(timepts):
         raise RecordError(f"{len(timepts)} time points, but {values.shape[1]} samples")
-    if len(timepts) < least:
-        raise RecordError(
-            f"the record has {len(timepts)} samples; at least {least} are needed: "
-            f"record longer, or use a longer stretch ({Argument('start')}, {Argument('stop')})"
-        )
+    if len(timepts) < LEAST_SAMPLES:
+        raise _too_short(len(timepts), LEAST_SAMPLES)
     labels = response.output_labels
     channels = tuple(labels) if labels else tuple(f"y[{i}]" for i in range(len(values)))
     for name, samples in zip(channels, values, strict=True):
@@ -123,9 +132,16 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: boo
             )
         # What is left of a record of the smallest size is smaller.
         check_size(name, timepts, samples, smallest=SMALLEST_SIZE**2)
-    kept = frozen_real(values) if copied else values.view()
+    kept = values.view()
     kept.flags.writeable = False
     return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=kept, channels=channels)
+
+
+def _too_short(samples: int, least: int) -> RecordError:
+    return RecordError(
+        f"the record has {samples} samples; at least {least} are needed: "
+        f"record longer, or use a longer stretch ({Argument('start')}, {Argument('stop')})"
+    )
 
 
 def check_size(name: str, timepts: RealArray, samples: RealArray, *, smallest: float = SMALLEST_SIZE) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from suspid.identification.exponentials import blocks_of, cross_sums, power_sums, synthesize
+from suspid.identification.exponentials import blocks_of, cross_sums, power_sums, project, synthesize
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -106,9 +106,18 @@ class TestBlocks:
         values = np.random.default_rng(count).standard_normal((channels, count))
         k = np.arange(count)
         dense = np.exp(theta[:, None] * k).conj()
-        expected = np.stack([values @ dense.T, (values * (k / count)) @ dense.T])
-        scale = np.stack([np.abs(values) @ np.abs(dense).T] * 2)
+        expected = np.stack([dense @ values.T, dense @ (values * (k / count)).T])
+        scale = np.stack([np.abs(dense) @ np.abs(values).T] * 2)
         np.testing.assert_array_less(np.abs(blocks_of(values).project(theta) - expected), 1e-12 * scale)
+
+    @pytest.mark.parametrize("count", [3, 63, 64, 65, 5000])
+    def test_a_record_used_once_has_the_same(self, theta: Complex, count: int) -> None:
+        values = np.random.default_rng(count).standard_normal((2, count))
+        time = np.arange(count) / count
+        dense = np.exp(theta[:, None] * np.arange(count)).conj()
+        expected = np.stack([dense @ (values * time**j).T for j in range(3)])
+        scale = np.stack([np.abs(dense) @ np.abs(values).T] * 3)
+        np.testing.assert_array_less(np.abs(project(values, theta, orders=3) - expected), 1e-12 * scale)
 
     def test_energy_and_channels(self) -> None:
         values = np.random.default_rng(1).standard_normal((2, 77))
@@ -139,7 +148,7 @@ class TestSynthesis:
         values = rng.standard_normal((1, 999))
         amplitudes = rng.standard_normal((len(theta), 1)) + 1j * rng.standard_normal((len(theta), 1))
         left = float(np.sum(values * synthesize(theta, amplitudes, 999)))
-        right = float(np.sum(amplitudes[:, 0] * blocks_of(values).project(theta)[0, 0].conj()).real)
+        right = float(np.sum(amplitudes[:, 0] * blocks_of(values).project(theta)[0, :, 0].conj()).real)
         assert left == pytest.approx(right, rel=1e-11)
 
     def test_of_nothing_is_zero(self) -> None:

@@ -1,3 +1,4 @@
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 from suspid import RecordError
 from suspid.records import as_response, late_start
+from suspid.samples import as_samples
 from suspid.signals import Signal, as_signal, uniform_step
 
 
@@ -32,6 +34,22 @@ class TestSamples:
         system = control.ss([[-1.0]], [[1.0]], [[1.0]], 0)
         made = control.impulse_response(system, np.linspace(0, 1, 11))
         np.testing.assert_allclose(as_signal(made).values[0], np.exp(-made.time), rtol=1e-12, atol=0)
+
+    def test_samples_of_the_library_are_checked_once_and_not_copied(self) -> None:
+        samples = as_samples(np.arange(5.0), np.arange(10.0).reshape(2, 5), ["a", "b"])
+        signal = as_signal(samples)
+        assert as_signal(samples) is signal
+        assert np.shares_memory(signal.values, samples.y)
+        assert not signal.values.flags.writeable
+        with pytest.raises(RecordError, match="has 5 samples; at least 6"):
+            as_signal(samples, least=6)
+
+    def test_what_follows_from_samples_is_not_pickled_with_them(self) -> None:
+        samples = as_samples(np.arange(500.0), np.ones((1, 500)), ["a"])
+        size = len(pickle.dumps(samples))
+        assert len(as_signal(samples).values) == len(samples.response.outputs.reshape(1, -1))
+        assert len(pickle.dumps(samples)) == size
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(samples)).y, samples.y)
 
     def test_two_traces_are_refused(self) -> None:
         system = control.ss([[-1.0]], [[1.0, 2.0]], [[1.0]], [[0, 0]])

@@ -112,8 +112,9 @@ def _without_spikes(name: str, times: RealArray, values: RealArray) -> tuple[Rea
 def _keeps_within(values: RealArray) -> bool:
     """Return whether some of the samples show that none is a spike: a look at all of them takes long."""
     some = values[:: max(1, values.size // SAMPLES_LOOKED_AT)]
-    middle = float(np.nanmedian(some)) if np.any(np.isfinite(some)) else 0.0
-    within = float(np.nanquantile(np.abs(some - middle), WITHIN)) if np.any(np.isfinite(some)) else 0.0
+    some = some[~np.isnan(some)]
+    middle = float(np.median(some)) if some.size else 0.0
+    within = float(np.quantile(np.abs(some - middle), WITHIN)) if some.size else 0.0
     return max(float(np.nanmax(values)) - middle, middle - float(np.nanmin(values))) < 0.5 * SPIKE_OVER * within
 
 

@@ -111,9 +111,9 @@ def by_likelihood(
         response=response,
         method="likelihood",
         modes=modes,
-        fitted=as_samples(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
-        residual=as_samples(signal.timepts, left, signal.channels, title="Residual"),
-        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / freedom)),
+        fitted=as_samples(signal.timepts, signal.values - left, signal.channels, title="Fitted decay", copied=False),
+        residual=as_samples(signal.timepts, left, signal.channels, title="Residual", copied=False),
+        noise_std=frozen_real(np.sqrt(np.einsum("ck,ck->c", left, left) / freedom)),
         loudness=loudness,
         considered=considered,
         steps=steps,
@@ -169,9 +169,12 @@ def _check_count(modes: ModalSet, count: int | None) -> None:
 def _fades(values: RealArray) -> bool:
     """Return whether the last third of a record moves less than the first, each about its own mean."""
     third = values.shape[1] // 3
-    first, last = np.var(values[:, :third], axis=1), np.var(values[:, -third:], axis=1)
+    first, last, whole = (
+        np.einsum("ck,ck->c", part, part) / part.shape[1] - part.mean(axis=1) ** 2
+        for part in (values[:, :third], values[:, -third:], values)
+    )
     # A larger ratio spends more time on noise, with a smaller one slow decays stay linear.
-    return bool(np.sum(last / np.var(values, axis=1)) < 0.9 * np.sum(first / np.var(values, axis=1)))
+    return bool(np.sum(last / whole) < 0.9 * np.sum(first / whole))
 
 
 def _modes_of(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ from suspid.identification.likelihood import DecayFit, bic_penalty
 from suspid.identification.noise import loss_growth
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
+
+Exponents = TypeVar("Exponents", RealArray, ComplexArray)
 
 # Local maxima whose gain is computed exactly, beyond the points near fitted poles. More cost time.
 LOCAL_MAXIMA = 48
@@ -31,12 +34,21 @@ class Candidate:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Points:
-    """Grid points with a large residual."""
+    """Grid points where the residual of a fit is large."""
 
     theta: ComplexArray  # (point,): exponents per sample, the first ones real
-    inner: ComplexArray  # (channel, point): inner products with the record
+    inner: ComplexArray  # (channel, point): inner products with the residual
     reals: int  # number of real exponents
-    count: int  # samples per channel
+    fit: DecayFit  # the fit
+    cross: ComplexArray  # (exponent, point): inner products with the exponentials of the fit
+
+    def beside(self, fit: DecayFit) -> tuple[ComplexArray, ComplexArray]:
+        """Return inner products with the exponentials of a fit, (exponent, point), and with its residual."""
+        if fit is self.fit:
+            return self.cross, self.inner
+        cross = cross_sums(fit.poles.exponents.conj(), self.theta, fit.count)
+        record = self.inner + self.fit.amplitudes.T @ self.cross.conj()
+        return cross, record - fit.amplitudes.T @ cross.conj()
 
 
 def searched(fit: DecayFit, residual: RealArray, variance: RealArray) -> Points:
@@ -44,9 +56,10 @@ def searched(fit: DecayFit, residual: RealArray, variance: RealArray) -> Points:
     count, known = residual.shape[1], fit.poles.exponents
     noise = np.sqrt(variance)[:, None]
     # Single precision suffices to choose points, for a residual of unit variance.
-    theta, inner = _largest_points((residual / noise).astype(np.float32), known[known.imag >= 0])
-    explained = fit.amplitudes.T @ cross_sums(known.conj(), theta, count).conj()
-    return Points(theta=theta, inner=inner * noise + explained, reals=len(_layout(count)), count=count)
+    scaled = np.divide(residual, noise, out=np.empty(residual.shape, np.float32), casting="same_kind")
+    theta, inner = _largest_points(scaled, known[known.imag >= 0])
+    cross = cross_sums(known.conj(), theta, count)
+    return Points(theta=theta, inner=inner * noise, reals=len(_layout(count)), fit=fit, cross=cross)
 
 
 def ranked(fit: DecayFit, variance: RealArray, points: Points) -> list[Candidate]:
@@ -54,10 +67,9 @@ def ranked(fit: DecayFit, variance: RealArray, points: Points) -> list[Candidate
 
     A gain counts the part orthogonal to the poles fitted so far.
     """
-    theta, count, reals, channels = points.theta, points.count, points.reals, len(variance)
-    cross = cross_sums(fit.poles.exponents.conj(), theta, count)
+    theta, count, reals, channels = points.theta, fit.count, points.reals, len(variance)
+    cross, inner = points.beside(fit)
     solved = np.linalg.inv(fit.gram) @ cross
-    inner = points.inner - fit.amplitudes.T @ cross.conj()
     share = np.empty((channels, len(theta)))
     share[:, :reals] = _real_gain(theta[:reals], inner[:, :reals], cross[:, :reals], solved[:, :reals], count)
     share[:, reals:] = _pair_gain(
@@ -149,7 +161,7 @@ def _pair_gain(
     poles: Poles, theta: ComplexArray, inner: ComplexArray, cross: ComplexArray, solved: ComplexArray, count: int
 ) -> RealArray:
     """Return the square of the part of the residual along ``exp(theta k)`` and its conjugate, (channel, point)."""
-    own, own_conjugate = _own(np.asarray(2 * theta.real, complex), count).real, _own(2 * theta.conj(), count)
+    own, own_conjugate = _own(2 * theta.real, count), _own(2 * theta.conj(), count)
     s0 = own - _product(cross, solved).real
     s1 = own_conjugate - _product(cross, solved[_twins(len(poles.pairs), len(poles))].conj())
     determinant = s0**2 - np.abs(s1) ** 2
@@ -162,19 +174,19 @@ def _real_gain(
     theta: ComplexArray, inner: ComplexArray, cross: ComplexArray, solved: ComplexArray, count: int
 ) -> RealArray:
     """Return the square of the part of the residual along ``exp(theta k)``, theta real, (channel, point)."""
-    own = _own(2 * theta, count).real
+    own = _own(2 * theta.real, count)
     left = own - _product(cross, solved).real
     sound = left > 1e-6 * own
     return np.where(sound, inner.real**2 / np.where(sound, left, 1.0), 0.0)
 
 
-def _own(phi: ComplexArray, count: int) -> ComplexArray:
+def _own(phi: Exponents, count: int) -> Exponents:
     """Return ``sum_k exp(phi k)`` for exponents that are not near 0."""
     return np.asarray(np.expm1(count * phi) / np.expm1(phi))
 
 
 def _product(left: ComplexArray, right: ComplexArray) -> ComplexArray:
-    return np.asarray(np.einsum("ip,ip->p", left.conj(), right))
+    return np.asarray((left.conj() * right).sum(axis=0))
 
 
 @lru_cache(maxsize=256)

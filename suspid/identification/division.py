@@ -95,10 +95,8 @@ def apart(fit: Fit) -> Apart:
     fixed = np.linalg.solve(solution.gram, crossed)
     products = _bend_products(theta, count)
     beside = products - crossed.conj().swapaxes(1, 2) @ fixed
-    time = np.arange(count) / count
-    timed = fit.residual * time
-    left = project(np.concatenate([timed, timed * time]), theta).reshape(2, -1, pairs)
-    amounts = np.stack([left[0], left[0].conj(), left[1], left[1].conj()]).transpose(2, 0, 1)
+    _, first, second = project(fit.residual, theta, orders=3)
+    amounts = np.stack([first, first.conj(), second, second.conj()], axis=1)
     # Directions that rounding of the inner products leaves open promise nothing.
     scale = 1 / np.sqrt(np.einsum("pii->pi", products).real)
     values, vectors = np.linalg.eigh(beside * (scale[:, :, None] * scale[:, None, :]))

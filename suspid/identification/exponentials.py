@@ -52,7 +52,7 @@ def power_sums(phi: ComplexArray, count: int, *, order: int = 2) -> ComplexArray
         sums[j] = ended - earlier * ratio
     if near.any():
         x = phi[near] * count
-        moments = _moments(count)[:, : order + 1]
+        moments = _power_means(count)[:, : order + 1]
         if x.any():
             terms = np.cumprod(
                 np.column_stack([np.ones_like(x), np.divide.outer(x, np.arange(1, SERIES_TERMS))]), axis=1
@@ -117,7 +117,7 @@ def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexAr
 
 
 @lru_cache(maxsize=64)
-def _moments(count: int) -> RealArray:
+def _power_means(count: int) -> RealArray:
     """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0 … 4."""
     power = np.arange(SERIES_TERMS + 4, dtype=float)
     if count > 4096:
@@ -134,9 +134,7 @@ class Blocks:
     """A record cut into blocks, ready for inner products with exponentials."""
 
     count: int  # number of samples n
-    size: int  # samples per block B
-    # (2 channel * block, B): the record, then the record times ``k / n``; zeros after the last sample.
-    folded: RealArray
+    folded: RealArray  # (channel, block, sample): the record; zeros after its last sample
     energy: RealArray  # (channel,): sum of squares of each channel
 
     @property
@@ -145,49 +143,67 @@ class Blocks:
         return len(self.energy)
 
     def project(self, theta: ComplexArray) -> ComplexArray:
-        """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, channel, exponent), for j = 0 and 1."""
-        return _folded_sums(self.folded.reshape(2 * self.channels, -1, self.size), theta).reshape(2, self.channels, -1)
+        """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, exponent, channel), for j = 0 and 1."""
+        return _moments(self.folded, theta, self.count, 2)
 
 
 def blocks_of(values: RealArray) -> Blocks:
     """Return a record (channel, sample) cut into blocks of about the square root of its length."""
     channels, count = values.shape
     size = max(8, int(np.sqrt(count)))
-    blocks = -(-count // size)
-    folded = np.zeros((2, channels, blocks * size))
-    folded[0, :, :count] = values
-    folded[1, :, :count] = values * (np.arange(count) / count)
-    return Blocks(
-        count=count,
-        size=size,
-        folded=folded.reshape(-1, size),
-        energy=np.einsum("ck,ck->c", values, values),
-    )
+    folded = np.zeros((channels, -(-count // size) * size))
+    folded[:, :count] = values
+    return Blocks(count=count, folded=folded.reshape(channels, -1, size), energy=np.einsum("ck,ck->c", values, values))
 
 
-def project(values: RealArray, theta: ComplexArray) -> ComplexArray:
-    """Return ``sum_k y_k conj(exp(theta k))``, (channel, exponent), of a record that is used once."""
+def project(values: RealArray, theta: ComplexArray, *, orders: int = 1) -> ComplexArray:
+    """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, exponent, channel), of a record that is used once."""
     channels, count = values.shape
     size = max(1, int(np.sqrt(count)))
     whole = count // size * size
     # Blocks of the record as it lies there: a copy of a long one takes longer than its products.
-    sums = _folded_sums(values[:, :whole].reshape(channels, -1, size), theta)
-    rest = np.exp(np.arange(whole, count)[:, None] * theta.conj())
-    return np.asarray(sums + (values[:, whole:] @ rest.view(float)).view(complex))
+    sums = _moments(values[:, :whole].reshape(channels, -1, size), theta, count, orders)
+    k = np.arange(whole, count)
+    rest = values[:, whole:] * (k / count) ** np.arange(orders)[:, None, None]
+    return np.asarray(sums + np.exp(np.multiply.outer(theta.conj(), k)) @ rest.swapaxes(1, 2))
 
 
-def _folded_sums(folded: RealArray, theta: ComplexArray) -> ComplexArray:
-    """Return the inner products of rows cut into blocks, (row, block, sample), with exponentials, (row, exponent)."""
-    _, blocks, size = folded.shape
+def _moments(folded: RealArray, theta: ComplexArray, count: int, orders: int) -> ComplexArray:
+    """Return the inner products of rows cut into blocks with exponentials times powers of ``k / n``.
+
+    From rows (row, block, sample) to (j, exponent, row), for j below a number of orders. With k counted from the block
+    and the block from the first, ``k^j`` is a binomial of both: each sample is read once.
+    """
+    rows, blocks, size = folded.shape
+    within, among = _ramps(size, blocks, count, orders)
     inner, outer = _powers(theta.conj(), size, blocks)
+    inner = (within * inner[:, None]).reshape(size, -1)
     # Real times complex as one real product: numpy would first make the record complex.
-    partial = folded @ inner.view(float)
-    return np.asarray(np.einsum("rbi,bi->ri", partial.view(complex), outer))
+    partial = (folded @ inner.view(float)).view(complex).reshape(rows, blocks, orders, -1)
+    weights = (outer.T[:, None, None] * among).reshape(-1, orders, orders * blocks)
+    sums = weights @ partial.transpose(3, 2, 1, 0).reshape(-1, orders * blocks, rows)
+    return np.asarray(sums.swapaxes(0, 1))
+
+
+@lru_cache(maxsize=64)
+def _ramps(size: int, blocks: int, count: int, orders: int) -> tuple[RealArray, RealArray]:
+    """Return powers of ``k / n`` for k within a block, (sample, power, 1), and what they are multiplied by in each.
+
+    The latter are the binomial terms of each power of ``k / n`` over those within, (power, power within, block).
+    """
+    within = (np.arange(size)[:, None, None] / count) ** np.arange(orders)[:, None]
+    first = np.arange(blocks) * size / count
+    among = np.zeros((orders, orders, blocks))
+    for j, m in np.ndindex(orders, orders):
+        if m <= j:
+            among[j, m] = comb(j, m) * first ** (j - m)
+    return frozen_real(within), frozen_real(among)
 
 
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
     """Return ``exp(theta b)``, (sample, exponent), and ``exp(theta B a)``, (block, exponent)."""
-    return _successive(np.exp(theta), size), _successive(np.exp(size * theta), blocks)
+    powers = _successive(np.exp(np.concatenate([theta, size * theta])), max(size, blocks))
+    return powers[:size, : len(theta)], powers[:blocks, len(theta) :]
 
 
 def _successive(ratio: ComplexArray, count: int) -> ComplexArray:

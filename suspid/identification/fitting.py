@@ -168,7 +168,7 @@ class Fit:
     def residual(self) -> RealArray:
         """The record less the fitted motion, (channel, sample)."""
         motion = synthesize(self.poles.exponents, self.solution.amplitudes, self.problem.blocks.count)
-        return np.asarray(self.problem.values - motion, float)
+        return np.subtract(self.problem.values, motion, out=motion)
 
     @cached_property
     def squares(self) -> RealArray:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from suspid.identification.ascent import Known, maximize, settled
+from suspid.identification.ascent import Evaluated, Known, maximize, settled
 from suspid.identification.covariance import inverse_information
-from suspid.identification.exponentials import blocks_of
+from suspid.identification.exponentials import Blocks, blocks_of
 from suspid.identification.likelihood import DecayFit, evaluate, evaluate_samples
-from suspid.identification.noise import KnownNoise
+from suspid.identification.noise import KnownNoise, WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.units import RealArray
 
@@ -18,8 +19,9 @@ from suspid.units import RealArray
 FEWEST_SAMPLES = 32
 # Rounding error of the residual energy over the energy of the noise above which a half is fitted by its samples.
 MOST_ROUNDING = 1e-6
-# Information on a pole, in units of its own size, that knows it to a third.
-KNOWN_TO_A_THIRD = 3.0**2
+# Information on a pole, in units of its own size, that knows it to a third; and to itself: a half that begins with less
+# is not fitted, since no fit nearby knows nine times as much.
+KNOWN_TO_A_THIRD, KNOWN_TO_ITSELF = 3.0**2, 1.0
 HELD = 1e-3  # of its own size: a pole that moves less than this stays where it is
 
 
@@ -44,41 +46,62 @@ def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArr
     cut = halfway(decay, values.shape[1])
     std = np.maximum(np.abs(np.concatenate([poles.pairs.real.repeat(2), poles.reals])), 1 / values.shape[1])
     known = Known(poles=poles, std=std)
-    found, variance = [], []
-    for part in (values[:, :cut], values[:, cut:]):
-        if part.shape[1] < FEWEST_SAMPLES:
+    parts = values[:, :cut], values[:, cut:]
+    if min(part.shape[1] for part in parts) < FEWEST_SAMPLES:
+        return float("nan")
+
+    def variance(fit: DecayFit) -> RealArray:
+        """Return the variances of the real and imaginary part of the pair."""
+        return inverse_information(fit.information + np.diag(1 / std**2)).diagonal()[2 * which : 2 * which + 2]
+
+    begun = []
+    for part in parts:
+        half = _begun(part - part.mean(axis=1, keepdims=True), poles, noise_std)
+        if half is None or np.any(variance(half.start) > decay**2 / (KNOWN_TO_ITSELF + 1)):
             return float("nan")
-        fit = _fitted(part - part.mean(axis=1, keepdims=True), known, noise_std)
+        begun.append(half)
+    found, spread = [], []
+    for half in begun:
+        fit = half.fitted(known)
         # A fit that leads further off than the decay rate, or knows it no better than to a third, is not of this pair.
         if fit is None or abs(fit.poles.pairs[which] - poles.pairs[which]) >= decay:
             return float("nan")
-        spread = inverse_information(fit.information + np.diag(1 / std**2)).diagonal()[2 * which : 2 * which + 2]
         # Known to a third by the half alone: together with what was known beforehand, variances add inversely.
-        if not np.all(spread < decay**2 / (KNOWN_TO_A_THIRD + 1)):
+        if not np.all(variance(fit) < decay**2 / (KNOWN_TO_A_THIRD + 1)):
             return float("nan")
         found.append(fit.poles.pairs[which])
-        variance.append(spread)
+        spread.append(variance(fit))
     apart = found[0] - found[1]
-    return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
+    return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (spread[0] + spread[1]))))
 
 
-def _fitted(values: RealArray, known: Known, noise_std: RealArray) -> DecayFit | None:
-    """Return the most probable fit to a part of a record, less its mean."""
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Half:
+    """A part of a record at the poles of the whole."""
+
+    blocks: Blocks
+    noise: WhiteNoise
+    evaluated: Evaluated  # the fit at given poles
+    start: DecayFit  # that at the poles of the whole
+
+    def fitted(self, known: Known) -> DecayFit | None:
+        """Return the most probable fit."""
+        known = _with_unseen_held(self.start, known)
+        fit = maximize(self.blocks, self.start, self.noise, known=known, evaluated=self.evaluated)
+        return fit and settled(fit, self.evaluated, known=known)
+
+
+def _begun(values: RealArray, poles: Poles, noise_std: RealArray) -> _Half | None:
+    """Return a part of a record, less its mean, at poles; None where these are linearly dependent."""
     blocks = blocks_of(values)
     noise = KnownNoise(least=noise_std**2).rounded(blocks.energy, blocks.count, of_energies=True)
-    start = evaluate(blocks, known.poles, noise)
-    if start is None:
-        return None
-    evaluated = partial(evaluate, blocks, noise=noise)
-    if np.any(start.rounding > MOST_ROUNDING * noise.least * blocks.count):
+    evaluated: Evaluated = partial(evaluate, blocks, noise=noise)
+    start = evaluated(poles)
+    if start is not None and np.any(start.rounding > MOST_ROUNDING * noise.least * blocks.count):
         # Over a few samples slow poles are nearly alike.
         evaluated = partial(evaluate_samples, values, noise=noise)
-        start = evaluated(known.poles)
-    if start is None:
-        return None
-    known = _with_unseen_held(start, known)
-    fit = maximize(blocks, start, noise, known=known, evaluated=evaluated)
-    return fit and settled(fit, evaluated, known=known)
+        start = evaluated(poles)
+    return None if start is None else _Half(blocks=blocks, noise=noise, evaluated=evaluated, start=start)
 
 
 def _with_unseen_held(start: DecayFit, known: Known) -> Known:

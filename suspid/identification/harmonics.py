@@ -54,7 +54,7 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
                 _is_combination(modes, one, other, k) for one, other in itertools.permutations(stronger, 2)
             ):
                 reasons[number] = Reason.COMBINATION
-    return replace(selection, reasons=tuple(reasons))
+    return replace(selection, reasons=tuple(reasons)) if tuple(reasons) != selection.reasons else selection
 
 
 def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:

@@ -158,7 +158,7 @@ class Identification(Result):
         """
         return tuple(fit_skeleton(ridge) for ridge in self.ridges)
 
-    @property
+    @cached_property
     def explained(self) -> RealArray:
         """Share of each channel's energy about its mean that the fit explains [1], (channel,).
 
@@ -173,7 +173,7 @@ class Identification(Result):
         """
         signal, left = as_signal(held(self, "response")).values, as_signal(held(self, "residual")).values
         energy = np.sum((signal - signal.mean(axis=1, keepdims=True)) ** 2, axis=1)
-        return np.asarray(1 - np.sum(left**2, axis=1) / np.where(energy > 0, energy, 1.0))
+        return frozen_real(1 - np.sum(left**2, axis=1) / np.where(energy > 0, energy, 1.0))
 
     @property
     def whiteness(self) -> RealArray:

@@ -67,7 +67,7 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     inverse = inverse.conj().T @ inverse
     # For a real record the inner products with conjugate exponentials are conjugate.
     distinct = np.concatenate([poles.pairs, poles.reals, poles.nuisances])
-    half = blocks.project(distinct).transpose(0, 2, 1)
+    half = blocks.project(distinct)
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
     amplitudes = inverse @ zeroth
     explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
@@ -144,14 +144,15 @@ def _weighed(
     variance = noise.variance(squares, count)
     if not 0 < variance.min() < np.inf:
         return None
-    slope = (amplitudes.conj() / variance * pull).sum(axis=1)
+    weighted = amplitudes.conj() / variance
+    slope = (weighted * pull).sum(axis=1)
     return DecayFit(
         poles=poles,
         count=count,
         amplitudes=amplitudes,
         squares=squares,
         rounding=rounding,
-        information=_information(poles, sharpness, amplitudes, variance, count),
+        information=_information(poles, sharpness * (weighted @ amplitudes.T), count),
         gradient=(poles.chart.conj().T @ slope).real * count,
         gram=gram,
         tilt=tilt,
@@ -164,15 +165,14 @@ def reweighed(fit: DecayFit, noise: WhiteNoise, squares: RealArray) -> DecayFit:
     """Return the fit with residual sums of squares (channel,) that were computed more accurately, from samples."""
     squares = np.maximum(squares, fit.rounding)
     variance = noise.variance(squares, fit.count)
-    information = _information(fit.poles, fit.sharpness, fit.amplitudes, variance, fit.count)
+    curvature = fit.sharpness * ((fit.amplitudes.conj() / variance) @ fit.amplitudes.T)
+    information = _information(fit.poles, curvature, fit.count)
     return replace(fit, squares=squares, information=information)
 
 
-def _information(
-    poles: Poles, sharpness: ComplexArray, amplitudes: ComplexArray, variance: RealArray, count: int
-) -> RealArray:
+def _information(poles: Poles, curvature: ComplexArray, count: int) -> RealArray:
+    """Return the information on the real parameters of poles from that on their exponents."""
     chart = poles.chart
-    curvature = sharpness * ((amplitudes.conj() / variance) @ amplitudes.T)
     return np.asarray((chart.conj().T @ curvature @ chart).real * count**2)
 
 

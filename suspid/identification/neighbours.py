@@ -65,7 +65,7 @@ def _promised(fit: Fit, theta: ComplexArray) -> RealArray:
     products = products - zeroth.conj().swapaxes(1, 2) @ fixed
     first = first - solution.tilt @ fixed
     inverse = np.linalg.inv(products)
-    left = project(fit.residual, theta).T
+    left = project(fit.residual, theta)[0]
     left = np.stack([left, left.conj()], axis=1)
     amounts = inverse @ left
     gains = np.einsum("pic,pic,c->p", left.conj(), amounts, 1 / variance).real

@@ -31,7 +31,7 @@ def residual_of_part(found: Identification, part: control.TimeResponseData) -> R
     poles = poles_of(found, signal.step)
     blocks = blocks_of(values := signal.values - signal.values.mean(axis=1, keepdims=True))
     problem = Problem(values=values, blocks=blocks, noise=noise_of(signal.values).rounded(blocks.energy, blocks.count))
-    fit = problem.fitted(poles)
+    fit = problem.fitted(poles, rough=True)
     if fit is None:
         return None
     _, _, lost = thinned(problem, fit)

@@ -27,7 +27,7 @@ from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.units import Hertz, Ratio
+from suspid.units import Hertz, Ratio, RealArray
 from suspid.words import MOST_LISTED, Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
@@ -184,18 +184,18 @@ def _residual(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.RESIDUAL_LOUD, Level.CARE, {"modes": tuple(loud)})
     else:
         yield check_of(ModeCheck.RESIDUAL_WHITE, Level.SOUND)
-    residual = as_signal(held(found, "residual"))
-    yield from _structure(found, residual)
-    if shared_noise(residual.values, resolution(as_signal(held(found, "response")).values)) > 1:
+    residual, finest = as_signal(held(found, "residual")), resolution(as_signal(held(found, "response")).values)
+    yield from _structure(found, residual, finest)
+    if shared_noise(residual.values, finest) > 1:
         one, other, correlation = most_shared(residual.values)
         pair = {"one": residual.channels[one], "other": residual.channels[other]}
         yield check_of(ModeCheck.SHARED_NOISE, Level.NOTE, {**pair, "correlation": correlation})
 
 
-def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
+def _structure(found: Identification, residual: Signal, finest: RealArray) -> Iterator[Check]:
     """Check that nothing but noise is left: no colour and no line, where the residual exceeds rounding."""
     size = np.sqrt(np.mean(residual.values**2, axis=1))
-    rough = size > ABOVE_RESOLUTION * resolution(as_signal(held(found, "response")).values)
+    rough = size > ABOVE_RESOLUTION * finest
     lag = np.where(rough, found.whiteness, 0.0)
     # A sensor's filter correlates samples. Where it leaves much of a channel, other motion does.
     most = np.where(found.explained < WELL_EXPLAINED, OTHER_MOTION, FILTERED)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from suspid.model import Suspension, eigenmodes, pole_distances
 from suspid.reconstruction.descent import Equations
-from suspid.reconstruction.equations import Observed, partners, spectral
-from suspid.reconstruction.polynomials import characteristic
+from suspid.reconstruction.equations import Observed, partners
+from suspid.reconstruction.polynomials import polynomial_of
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, Ratio, RealArray
 
@@ -86,7 +86,7 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
         if met_often(met) or len(minima) == before:
             break
         before = len(minima)
-    if all(test.whiten is None and test.shapes is None for test in tests):
+    if all(test.alone for test in tests):
         return minima
     # Weighted, a valley may have a minimum where the poles alone have none.
     return minima + [x for x in rough if not np.any(same(x, np.array(minima), unknowns))]
@@ -99,16 +99,7 @@ def met_often(met: Sequence[int]) -> bool:
 
 def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equations:
     """Return the residual of the poles of all tests, with derivatives, as a function of many points."""
-    arms, spread = unknowns.arms, unknowns.spread
-
-    def by_determinants(test: Observed) -> Equations:
-        def equations(x: RealArray) -> tuple[RealArray, RealArray]:
-            residual, slope = spectral(test, arms, unknowns.parameters(x))
-            return residual, slope @ spread
-
-        return equations
-
-    every = [characteristic(test, unknowns) or by_determinants(test) for test in tests]
+    every = [polynomial_of(test, unknowns) for test in tests]
 
     def together(x: RealArray) -> tuple[RealArray, RealArray]:
         parts = [one(x) for one in every]
@@ -133,11 +124,11 @@ def descend_together(
     cost, damping = np.sum(residual**2, axis=1), np.full(len(x), pace.damping)
     ends, costs, place = x.copy(), np.full(count, np.inf), np.arange(count)
     for _ in range(pace.steps):
-        scaled = slope * np.where(positive, x, 1.0)[:, None, :]
-        gradient = (residual[:, None, :] @ scaled)[:, 0]
+        unit = np.where(positive, x, 1.0)
+        gradient = (residual[:, None, :] @ slope)[:, 0] * unit
         stuck = ((x <= lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
-        scaled[np.broadcast_to(stuck[:, None, :], scaled.shape)] = 0.0
-        gradient[stuck] = 0.0
+        unit[stuck] = gradient[stuck] = 0.0
+        scaled = slope * unit[:, None, :]
         normal = scaled.swapaxes(1, 2) @ scaled
         diagonal = normal[:, own, own]
         largest = diagonal.max(axis=1, keepdims=True)

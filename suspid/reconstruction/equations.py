@@ -54,6 +54,11 @@ class Observed:
         return int(2 * len(self.real) - np.sum(self.real))
 
     @property
+    def alone(self) -> bool:
+        """Whether there is nothing but poles, and no covariance: then their polynomial decides."""
+        return self.whiten is None and self.shapes is None
+
+    @property
     def equations(self) -> int:
         """Number of real equations of poles and shapes."""
         return self.pole_equations * (1 if self.shapes is None else len(self.shapes))
@@ -81,9 +86,7 @@ def all_poles(poles: ComplexArray) -> ComplexArray:
 
 
 def deciding(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealArray, RealArray]:
-    """Return the weighted residual that is minimised, and its derivatives by p."""
-    if test.whiten is None and test.shapes is None:
-        return spectral(test, arms, p)
+    """Return the weighted residual of poles and shapes that is minimised, and its derivatives by p."""
     residual, slope = sensitivities(test, arms, p)
     if test.whiten is None:
         # Errors of shapes are about ten times as large as those of poles.

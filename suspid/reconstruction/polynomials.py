@@ -15,12 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.reconstruction.equations import Observed
+from suspid.reconstruction.descent import Equations
+from suspid.reconstruction.equations import Observed, spectral
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, RealArray
 
 # Points that are evaluated together: more do not stay in the cache.
-POINTS_AT_ONCE = 96
+POINTS_AT_ONCE = 192
 # Up to this number of struts, one product of all sets of forces takes less than those of two halves.
 FEW_STRUTS = 5
 
@@ -33,7 +34,7 @@ class Characteristic:
     base: ComplexArray  # force of each strut that is not known [N/m]: base + spread @ x, (node, strut)
     spread: ComplexArray  # (node, strut, unknown)
     factors: ComplexArray  # (node, set): value per product of forces
-    # (node, set, unknown + 1): derivatives by the unknowns, and the value, per product of forces; of few struts only
+    # (node, unknown + 1, set): derivatives by the unknowns, and the value, per product of forces; of few struts only
     terms: ComplexArray | None
     target: ComplexArray  # (node,)
 
@@ -43,43 +44,46 @@ class Characteristic:
         It equals `suspid.reconstruction.equations.spectral` up to rounding.
         """
         parts = [self._at(x[first : first + POINTS_AT_ONCE]) for first in range(0, len(x), POINTS_AT_ONCE)]
-        values, slopes = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
+        values, slopes = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
         values -= self.target[:, None]
         residual = np.concatenate([values.real, values.imag[~self.real]]).T
-        return residual, np.concatenate([slopes.real, slopes.imag[~self.real]]).swapaxes(0, 1)
+        return residual, np.concatenate([slopes.real, slopes.imag[~self.real]]).transpose(2, 0, 1).copy()
 
     def _at(self, x: RealArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return values (node, start) and derivatives (node, start, unknown)."""
-        forces = self.base[:, None, :] + x @ self.spread.swapaxes(1, 2)  # (node, start, strut)
+        """Return values (node, start) and derivatives (node, unknown, start)."""
+        forces = self.base[:, :, None] + self.spread @ x.T  # (node, strut, start)
         if self.terms is not None:
-            both = _products(forces) @ self.terms
-            return both[..., -1], both[..., :-1]
+            both = self.terms @ _products(forces)
+            return both[:, -1], both[:, :-1]
         # Of two halves of the struts only the products of forces within each are formed: the polynomial is bilinear in
         # them.
-        first = forces.shape[2] // 2
-        one, other = _products(forces[..., :first]), _products(forces[..., first:])
-        factors = self.factors.reshape(len(forces), other.shape[2], one.shape[2])
-        by_one, by_other = other @ factors, one @ factors.swapaxes(1, 2)
-        slopes = np.concatenate([_by_forces(one, by_one), _by_forces(other, by_other)], axis=2)
-        return np.einsum("ksp,ksp->ks", one, by_one), slopes @ self.spread
+        first = forces.shape[1] // 2
+        one, other = _products(forces[:, :first]), _products(forces[:, first:])
+        factors = self.factors.reshape(len(forces), other.shape[1], one.shape[1])
+        by_one, by_other = factors.swapaxes(1, 2) @ other, factors @ one
+        slopes = np.concatenate([_by_forces(one, by_one), _by_forces(other, by_other)], axis=1)
+        return (one * by_one).sum(axis=1), self.spread.swapaxes(1, 2) @ slopes
 
 
 def _products(forces: ComplexArray) -> ComplexArray:
-    """Return the products of the forces of all sets of struts, (node, start, set), indexed by the bits of the set."""
-    products = np.ones((*forces.shape[:2], 1 << forces.shape[2]), complex)
-    for i in range(forces.shape[2]):
+    """Return the products of the forces of all sets of struts, (node, set, start), indexed by the bits of the set."""
+    nodes, struts, starts = forces.shape
+    products = np.empty((nodes, 1 << struts, starts), complex)
+    products[:, 0] = 1.0
+    for i in range(struts):
         half = 1 << i
-        np.multiply(products[..., :half], forces[..., i, None], out=products[..., half : 2 * half])
+        np.multiply(products[:, :half], forces[:, i, None], out=products[:, half : 2 * half])
     return products
 
 
 def _by_forces(products: ComplexArray, slopes: ComplexArray) -> ComplexArray:
-    """Return derivatives by the forces, (node, start, strut), from those by their products."""
-    out = np.empty((*products.shape[:2], products.shape[2].bit_length() - 1), complex)
-    for i in range(out.shape[2]):
+    """Return derivatives by the forces, (node, strut, start), from those by their products."""
+    nodes, sets, starts = products.shape
+    out = np.empty((nodes, sets.bit_length() - 1, starts), complex)
+    for i in range(out.shape[1]):
         # Sets without a strut, and with it.
-        without, having = (part.reshape(*part.shape[:2], -1, 2, 1 << i) for part in (products, slopes))
-        np.einsum("kshl,kshl->ks", without[..., 0, :], having[..., 1, :], out=out[..., i])
+        without, having = (part.reshape(nodes, -1, 2, 1 << i, starts) for part in (products, slopes))
+        np.einsum("khls,khls->ks", without[:, :, 0], having[:, :, 1], out=out[:, i])
     return out
 
 
@@ -107,14 +111,24 @@ def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
     base, spread = base[:, searched], spread[:, searched]
     terms = None
     if spread.shape[1] <= FEW_STRUTS:
-        terms = np.zeros((*value.shape, len(unknowns) + 1), complex)
+        terms = np.zeros((len(value), len(unknowns) + 1, value.shape[1]), complex)
         every = np.arange(value.shape[1])
         for i in range(spread.shape[1]):
             without = every[every >> i & 1 == 0]
-            terms[:, without, :-1] += value[:, without + (1 << i), None] * spread[:, i, None, :]
-        terms[..., -1] = value
+            terms[:, :-1, without] += spread[:, i, :, None] * value[:, None, without + (1 << i)]
+        terms[:, -1] = value
     target = test.target / test.spacing
     return Characteristic(real=test.real, base=base, spread=spread, factors=value, terms=terms, target=target)
+
+
+def polynomial_of(test: Observed, unknowns: Unknowns) -> Equations:
+    """Return the residual of the poles of a test, with derivatives by the unknowns, as a function of many points."""
+
+    def by_determinants(x: RealArray) -> tuple[RealArray, RealArray]:
+        residual, slope = spectral(test, unknowns.arms, unknowns.parameters(x))
+        return residual, slope @ unknowns.spread
+
+    return characteristic(test, unknowns) or by_determinants
 
 
 def principal_minors(G: RealArray) -> RealArray:

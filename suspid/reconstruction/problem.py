@@ -8,7 +8,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from suspid.reconstruction.descent import Equations, descend, slope_left
-from suspid.reconstruction.equations import EXACT_POLE, Observed, deciding, linear, spectral
+from suspid.reconstruction.equations import EXACT_POLE, Observed, deciding, linear
+from suspid.reconstruction.polynomials import polynomial_of
 from suspid.reconstruction.programs import Limits, Optimum, least_squares
 from suspid.reconstruction.sequence import converged, feasible
 from suspid.reconstruction.unknowns import Unknowns
@@ -125,8 +126,10 @@ class Problem:
         @lru_cache(maxsize=64)  # of the last points: all that checks come back to
         def at(point: bytes) -> tuple[RealArray, RealArray]:
             x = np.frombuffer(point)
-            p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
-            parts = [(r, s @ spread) for r, s in (deciding(test, arms, p) for test in self.tests)]
+            parts = [
+                self._polynomial(number, x) if test.alone else self._sensitivities(test, x)
+                for number, test in enumerate(self.tests)
+            ]
             if self.has_nominal:
                 weight = 1.0 if self.weighted else DATA_AGAINST_PRIOR
                 parts = [(weight * r, weight * s) for r, s in parts]
@@ -140,11 +143,22 @@ class Problem:
 
     def spectral(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return the characteristic polynomials at the poles, and their derivatives; a pull to nominal if too few."""
-        p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
-        parts = [(r, s @ spread) for r, s in (spectral(test, arms, p) for test in self.tests)]
+        parts = [self._polynomial(number, x) for number in range(len(self.tests))]
         if not self.enough_poles:
             parts.append((PULL * (x - self.unknowns.nominal), PULL * np.eye(len(x))))
         return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
+
+    def _sensitivities(self, test: Observed, x: RealArray) -> tuple[RealArray, RealArray]:
+        residual, slope = deciding(test, self.unknowns.arms, self.unknowns.parameters(x))
+        return residual, slope @ self.unknowns.spread
+
+    def _polynomial(self, test: int, x: RealArray) -> tuple[RealArray, RealArray]:
+        residual, slope = self._polynomials[test](x[None])
+        return residual[0], slope[0]
+
+    @cached_property
+    def _polynomials(self) -> list[Equations]:
+        return [polynomial_of(test, self.unknowns) for test in self.tests]
 
     @cached_property
     def linear(self) -> tuple[RealArray, RealArray]:

@@ -75,7 +75,7 @@ def power_near(residual: RealArray, variance: RealArray, theta: ComplexArray) ->
     # The power near a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
     offsets = (decay + np.pi / count)[:, None] * np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
     omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + offsets), np.pi / count), np.pi)
-    spread = project(residual, (1j * omega - decay[:, None]).ravel())
+    spread = project(residual, (1j * omega - decay[:, None]).ravel())[0].T
     expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)
     power = np.mean(np.abs(spread.reshape(len(variance), *omega.shape)) ** 2, axis=2)
     return np.asarray(power / expected / variance[:, None])

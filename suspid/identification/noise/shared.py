@@ -22,8 +22,9 @@ def shared_noise(residual: RealArray, resolution: RealArray | float = 0.0) -> fl
     >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
     (1.0, 2.0)
     """
-    above = np.sqrt(np.mean(residual**2, axis=1)) > ABOVE_RESOLUTION * resolution
-    together = noise_correlation(residual[above])
+    size = np.sqrt(np.einsum("ck,ck->c", residual, residual) / residual.shape[1])
+    above = size > ABOVE_RESOLUTION * resolution
+    together = noise_correlation(residual if above.all() else residual[above])
     apart = together[~np.eye(len(together), dtype=bool)]
     # Chance passes 6 standard deviations with probability 2e-9. A correlation below 0.2 does not matter: it would widen
     # variances by a fifth.
@@ -34,9 +35,10 @@ def shared_noise(residual: RealArray, resolution: RealArray | float = 0.0) -> fl
 
 def noise_correlation(residual: RealArray) -> RealArray:
     """Return the correlation of the residuals of the channels with each other, (channel, channel)."""
-    norm = np.sqrt(np.einsum("ck,ck->c", residual, residual))
-    unit = residual / np.where(norm > 0, norm, 1.0)[:, None]
-    together = unit @ unit.T
+    together = residual @ residual.T
+    norm = np.sqrt(together.diagonal())
+    norm = np.where(norm > 0, norm, 1.0)
+    together = together / norm[:, None] / norm
     np.fill_diagonal(together, 1.0)
     return np.asarray(together)
 
