@@ -115,13 +115,14 @@ class Physics:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Transfer:
-    """Transfer at every line, and how parameters change it: ``dT = left right`` by parameter."""
+    """Transfer at every line, and how parameters change it: ``dT = left right[:, place]`` by parameter."""
 
     T: ComplexArray  # (line, output, cause)
     left: ComplexArray  # (line, output, parameter)
-    right: ComplexArray  # (line, parameter, cause)
+    right: ComplexArray  # (line, place, cause): spring, damper and mount of a strut act at one place
     ends: ComplexArray  # (line, channel, column): what the ends of a stretch leave
-    ends_right: ComplexArray  # (line, parameter, column): parameters change it by ``a ends_right``
+    ends_right: ComplexArray  # (line, place, column): parameters change it by ``a ends_right[:, place]``
+    places: tuple[int, ...]  # of each parameter
     outputs: tuple[int, ...]
     causes: tuple[int, ...]
 
@@ -203,41 +204,40 @@ def transfer(
     ends, ends_of_mass = with_powers(shown), with_powers(inverse)
     ends_of_strut, stretch, motion = af @ ends_of_mass, (af @ motion + ag) @ back, motion @ back
     per_strut, per_mass = -shown @ af.T, -shown * s[:, None, None] ** 2
-    lefts, rights, ends_right = [], [], []
+    lefts, keys = [], list[tuple[str, int]]()
     for row in rows:
         j = row % struts if row < 2 * struts else row - 2 * struts
         if row < 2 * struts:
             lefts.append(per_strut[:, :, j] if row < struts else per_strut[:, :, j] * rate[:, j : j + 1])
-            rights.append(stretch[:, j])
-            ends_right.append(ends_of_strut[:, j])
+            keys.append(("strut", j))
         elif j in layout.free:
-            place = layout.free.index(j)
-            lefts.append(per_mass[:, :, place])
-            rights.append(motion[:, place])
-            ends_right.append(ends_of_mass[:, place])
+            lefts.append(per_mass[:, :, layout.free.index(j)])
+            keys.append(("mass", layout.free.index(j)))
         else:
             lefts.append(np.zeros_like(derive))
-            rights.append(np.zeros_like(back[:, 0]))
-            ends_right.append(np.zeros_like(ends[:, 0]))
+            keys.append(("channel", 0))
     for j in mounts:
         lefts.append(-physics.damping[j] * rate[:, j : j + 1] ** 2 * per_strut[:, :, j])
-        rights.append(stretch[:, j])
-        ends_right.append(ends_of_strut[:, j])
-    lines, shows = np.ones(len(s)), P @ back
+        keys.append(("strut", j))
+    lines = np.ones(len(s))
     for channel, factor in [(c, lines / physics.gains[c]) for c in gains] + [(c, -s) for c in delays]:
         alone = np.zeros_like(derive)
         alone[:, channel] = factor
         lefts.append(alone)
-        rights.append(shows[:, channel])
-        ends_right.append(ends[:, channel])
+        keys.append(("channel", channel))
+    # What acts at each place: an elongation, a motion, or a channel.
+    act = {"strut": (stretch, ends_of_strut), "mass": (motion, ends_of_mass), "channel": (P @ back, ends)}
+    places = list(dict.fromkeys(keys))
+    right, ends_right = (np.stack([act[kind][i][:, at] for kind, at in places], axis=1) for i in (0, 1))
     ends[:, :, ends.shape[2] - own_ends.shape[2] :] = own_ends
     a = np.stack(lefts, axis=2)
     return Transfer(
         T=T,
         left=a[:, o] - T @ a[:, g],
-        right=np.stack(rights, axis=1),
+        right=right,
         ends=ends,
-        ends_right=np.stack(ends_right, axis=1),
+        ends_right=ends_right,
+        places=tuple(places.index(key) for key in keys),
         outputs=layout.outputs,
         causes=layout.causes,
     )
