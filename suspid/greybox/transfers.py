@@ -202,7 +202,7 @@ def transfer(
         return made
 
     ends, ends_of_mass = with_powers(shown), with_powers(inverse)
-    ends_of_strut, stretch, motion = af @ ends_of_mass, (af @ motion + ag) @ back, motion @ back
+    stretch, motion = (af @ motion + ag) @ back, motion @ back
     per_strut, per_mass = -shown @ af.T, -shown * s[:, None, None] ** 2
     lefts, keys = [], list[tuple[str, int]]()
     for row in rows:
@@ -225,10 +225,16 @@ def transfer(
         alone[:, channel] = factor
         lefts.append(alone)
         keys.append(("channel", channel))
-    # What acts at each place: an elongation, a motion, or a channel.
-    act = {"strut": (stretch, ends_of_strut), "mass": (motion, ends_of_mass), "channel": (P @ back, ends)}
+    shows = P @ back
+
+    def acts(kind: str, at: int) -> tuple[ComplexArray, ComplexArray]:
+        """Return what acts at a place, an elongation, a motion or a channel, by causes and by ends."""
+        if kind == "strut":
+            return stretch[:, at], np.asarray(af[at] @ ends_of_mass)
+        return (motion[:, at], ends_of_mass[:, at]) if kind == "mass" else (shows[:, at], ends[:, at])
+
     places = list(dict.fromkeys(keys))
-    right, ends_right = (np.stack([act[kind][i][:, at] for kind, at in places], axis=1) for i in (0, 1))
+    right, ends_right = (np.stack(one, axis=1) for one in zip(*[acts(*key) for key in places], strict=True))
     ends[:, :, ends.shape[2] - own_ends.shape[2] :] = own_ends
     a = np.stack(lefts, axis=2)
     return Transfer(
