@@ -128,10 +128,9 @@ def levels_of(
             # One pair of outputs at a time: products of all nodes for each line take many times the record.
             for i, j in np.ndindex(outputs, outputs):
                 oo[:, i, :, j] = (basis * square[:, i, j, None]).T @ basis
-            oo = oo.reshape(nodes * outputs, -1)
             oc = (basis.T @ cross.reshape(len(basis), -1)).reshape(nodes * outputs, causes)
             gg = both.sum(axis=0) + 2 * cause[:, None] * cause * shared.A / count
-            information = count * np.block([[oo, oc], [oc.T, gg]])
+            information = count * np.block([[oo.reshape(nodes * outputs, -1), oc], [oc.T, gg]])
             gradient -= held @ (z - about)
             information += held
         scaled = information + damping * np.diag(np.diag(information))

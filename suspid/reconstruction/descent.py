@@ -88,7 +88,7 @@ def bounded_step(A: RealArray, b: RealArray, low: RealArray, high: RealArray) ->
     if np.all((x >= low) & (x <= high)):
         return x
     held = (x < low) | (x > high)
-    at = np.clip(x, low, high)
+    at: RealArray = np.clip(x, low, high)
     free = ~held
     at[free], _, rank, _ = np.linalg.lstsq(A[:, free], b - A[:, held] @ at[held], rcond=None)
     # The problem is convex: what is within bounds, and would leave them from those it is at, is its minimum.
