@@ -41,3 +41,8 @@ def test_it_does_not_grow_with_the_number_of_records() -> None:
 def test_derivatives_are_made_for_some_rows_at_a_time_however_long_stretches_are() -> None:
     """Stretches of 15 s have some 800 rows: 24 of them at a time, as of short ones, would be all of the record."""
     assert peak(stretch=15.0) < 1.1 * peak(stretch=8.0)
+
+
+def test_few_long_stretches_take_little_more() -> None:
+    """A transfer has a value at every line, which is as many bytes as the record where stretches are few."""
+    assert peak(stretch=LENGTH / 4) < 1.5 * peak(stretch=8.0)

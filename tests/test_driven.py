@@ -2,6 +2,7 @@
 
 import re
 from itertools import pairwise
+from typing import Literal
 
 import control
 import mpmath
@@ -45,7 +46,7 @@ class TestExact:
         given = dict(zip(system.input_labels, rng.standard_normal((4, len(t))), strict=True))
         start = rng.standard_normal(system.nstates)
         expected = control.forced_response(system, t, np.array(list(given.values())), start).y
-        assert closeness(simulate(system, t, given, initial_state=start).y, expected) < EXACT
+        assert closeness(simulate(system, t, given, initial_state=start, interpolation="linear").y, expected) < EXACT
 
     @pytest.mark.parametrize("mount", [None, 4e5])
     def test_the_end_of_a_long_record_on_a_ramp_to_fifty_digits(self, mount: float | None) -> None:
@@ -67,7 +68,7 @@ class TestExact:
     def test_random_roads_as_an_integrator_with_the_same_road(self) -> None:
         t = 0.005 * np.arange(400)
         road = road_profile(20 * t, roughness="B", rng=np.random.default_rng(2))
-        found = simulate(car(4e5), t, {"road": road}, outputs=["chassis", "tire"]).y
+        found = simulate(car(4e5), t, {"road": road}, outputs=["chassis", "tire"], interpolation="linear").y
         system = statespace(car(4e5))
         state, states = np.zeros(5), [np.zeros(5)]
         for k in range(len(t) - 1):
@@ -114,6 +115,27 @@ class TestExact:
         states = solve_ivp(motion, (0, t[-1]), np.zeros(4), t_eval=t, method="DOP853", rtol=1e-12, atol=1e-15).y
         rates = 0.06 * t**2 - 0.06 * t + 0.01
         assert closeness(found, system.C @ states + system.D @ [road, rates]) < EXACT
+
+    def test_a_sampled_road_moves_body_and_wheel_as_the_car_does(self) -> None:
+        # 20 Hz at 200 Hz: what straight lines have at 180 and 220 Hz folds onto 20 Hz in step with the motion.
+        w, t = 2 * np.pi * 20.0, 0.005 * np.arange(4000)
+        shown = ["chassis_acceleration", "tire_acceleration"]
+        body, wheel = statespace(car(), outputs=shown)(1j * w, squeeze=False) @ [1, 1j * w]
+
+        def off(interpolation: Literal["linear", "cubic"] | None) -> float:
+            made = simulate(car(), t, {"road": np.sin(w * t)}, outputs=shown, interpolation=interpolation)
+            lines = np.squeeze(made.outputs)[:, 2000:] @ np.exp(-1j * w * t[2000:])
+            return float(abs(lines[0] / lines[1] / (body / wheel) - 1))
+
+        assert off(None) == off("cubic") < 5e-4
+        assert off("linear") > 5e-3
+
+    def test_steps_stay_straight(self) -> None:
+        t = 0.01 * np.arange(300)
+        how: tuple[Literal["linear"] | None, ...] = (None, "linear")
+        for heights in (0.05 * (t > 1), 0.05 * ((t > 1) & (t < 1.02))):
+            found = [simulate(car(), t, {"road": heights}, interpolation=one).y for one in how]
+            assert np.array_equal(*found)
 
 
 class TestUse:

@@ -18,7 +18,7 @@ from validation.motion import Drive
 # Minutes, records that hold them, and seconds of a stretch; without these it is eight periods of the lowest mode.
 CASES: tuple[tuple[int, int, Second | None], ...] = (
     (5, 1, None), (20, 1, None), (40, 1, None), (20, 4, None), (20, 40, None), (20, 1, 4.0), (20, 1, 12.0),
-    (20, 1, 24.0),
+    (20, 1, 24.0), (20, 1, 150.0),
 )  # fmt: skip
 RATE = 200.0
 FIRST: Second = 60.0  # of which longer drives are made, one after the other: memory does not depend on what is in them

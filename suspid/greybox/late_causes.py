@@ -14,7 +14,7 @@ from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import label
 from suspid.greybox.one_car import not_one_car_in_drives
-from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
+from suspid.greybox.transfers import Layout, Physics, layout_of, shown_by_causes
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_problem import band_of, by_logger, wheel_problem
 from suspid.model import Suspension
@@ -115,5 +115,4 @@ def _nominal(
         gains=ones,
         delays=0 * ones,
     )
-    made = transfer(layout, s, physics, (0,), mounts=(), gains=(), delays=())
-    return np.einsum("log,gl->ol", made.T, lines[list(layout.causes)])
+    return np.einsum("log,gl->ol", shown_by_causes(layout, s, physics), lines[list(layout.causes)])

@@ -6,11 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from suspid.greybox.whitened import Whitened
+from suspid.greybox.whitened import Whitened, turned
 from suspid.levels import EXACT
 from suspid.units import Hertz, Ratio, RealArray
-
-VARIED_ROWS = 1500  # of the residual that are varied at a time: there are some 50 columns
 
 
 class Leftover(NamedTuple):
@@ -71,23 +69,33 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> Leftover:
 def _products(found: Whitened, hats: RealArray) -> tuple[RealArray, RealArray, RealArray]:
     """Return sums of products over all rows: of variations, of derivatives with them, and of them with the residual.
 
-    The rows are many and the columns few; a few stretches at a time need little memory.
+    A variation at a node moves lines near it by ``factor motion``. The variations are never written out: they are
+    multiplied for each line over all stretches, and summed over lines with the hats. What was projected out of them is
+    subtracted; residual and derivatives have no part of it.
     """
-    lines = len(found.motion)
-    outputs = found.factor.shape[1]
-    own, cross, score = np.zeros(()), np.zeros(()), np.zeros(())
-    for part in found.parts(VARIED_ROWS):
-        # (stretch, line, row, output, cause, node)
-        along = found.motion[:, part].swapaxes(0, 1)[:, :, :, None] * hats[:, None, :]
-        moved = found.factor[None, :, :, :, None, None] * along[:, :, None, None]
-        moved = moved.reshape(len(along), lines * outputs, -1)
-        rows = np.concatenate(
-            [np.concatenate([moved.real, -moved.imag], axis=2), np.concatenate([moved.imag, moved.real], axis=2)],
-            axis=1,
-        )
-        rows -= found.basis @ (found.basis.T @ rows)
-        flat = rows.reshape(-1, rows.shape[2])
-        own = own + flat.T @ flat
-        cross = cross + found.slope(part).reshape(len(flat), -1).T @ flat
-        score = score + flat.T @ found.residual[part].ravel()
-    return own, cross, score
+    factor, motion = found.factor, found.motion
+    lines, outputs = factor.shape[:2]
+    stretches, causes = motion.shape[1:]
+    weights, power = turned(factor).conj() @ factor, turned(motion).conj() @ motion
+    pairs = np.einsum("lab,lcd->lacbd", weights, power).reshape(lines, outputs * causes, -1)
+    own = np.einsum("lij,ln,lm->injm", pairs, hats, hats, optimize=True)
+    own = own.reshape(outputs * causes * hats.shape[1], -1)
+    own = np.block([[own.real, -own.imag], [own.imag, own.real]])
+    halves = found.basis.reshape(2, lines, outputs, -1)
+    onto = turned(halves[0] - 1j * halves[1]) @ factor  # (line, column, output)
+    for column in range(onto.shape[1]):
+        near = (onto[:, column, :, None] * hats[:, None, :]).reshape(lines, -1)
+        amounts = motion.reshape(lines, -1).T @ near  # (stretch and cause, output and node)
+        amounts = amounts.reshape(stretches, causes, outputs, -1).swapaxes(1, 2).reshape(stretches, -1)
+        projected = np.hstack([amounts.real, -amounts.imag])
+        own -= projected.T @ projected
+    columns = found.columns.shape[1]
+    sums = np.zeros((lines, outputs, causes, columns + 1), complex)
+    for part in found.parts():
+        shown = np.concatenate([found.slope(part), found.residual[part][:, :, None]], axis=2)
+        shown = shown.reshape(len(shown), 2, lines, outputs, -1)
+        back = turned(factor).conj() @ (shown[:, 0] + 1j * shown[:, 1])  # (stretch, line, output, column)
+        sums += np.einsum("lsc,slop->locp", motion[:, part].conj(), back)
+    with_rows = np.einsum("locp,ln->pocn", sums, hats, optimize=True).reshape(columns + 1, -1)
+    with_rows = np.hstack([with_rows.real, with_rows.imag])
+    return own, with_rows[:-1], with_rows[-1]

@@ -124,12 +124,13 @@ def levels_of(
             square = np.abs(inverse) ** 2 * out[:, :, None] * out[:, None, :]
             cross = np.abs(between) ** 2 * out[:, :, None] * cause
             both = np.abs(T.conj().transpose(0, 2, 1) @ between) ** 2 * cause[:, None] * cause
-            spread = (basis[:, :, None] * basis[:, None, :]).reshape(len(basis), -1)
-            oo = (spread.T @ square.reshape(len(basis), -1)).reshape(nodes, nodes, outputs, outputs)
-            oo = oo.swapaxes(1, 2).reshape(nodes * outputs, -1)
+            oo = np.empty((nodes, outputs, nodes, outputs))
+            # One pair of outputs at a time: products of all nodes for each line take many times the record.
+            for i, j in np.ndindex(outputs, outputs):
+                oo[:, i, :, j] = (basis * square[:, i, j, None]).T @ basis
             oc = (basis.T @ cross.reshape(len(basis), -1)).reshape(nodes * outputs, causes)
             gg = both.sum(axis=0) + 2 * cause[:, None] * cause * shared.A / count
-            information = count * np.block([[oo, oc], [oc.T, gg]])
+            information = count * np.block([[oo.reshape(nodes * outputs, -1), oc], [oc.T, gg]])
             gradient -= held @ (z - about)
             information += held
         scaled = information + damping * np.diag(np.diag(information))

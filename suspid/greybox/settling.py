@@ -87,20 +87,22 @@ def released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple
     A mount acts nearly as a negative delay does, so there may be a minimum without a mount beside the right one. The
     softer one is taken if the records rule out the stiffer one.
     """
-    extras, here = problem.extras, point_at(problem, z, levels)
+    extras = problem.extras
     if not extras.mounts:
-        return here, levels
+        return point_at(problem, z, levels), levels
+    # Of each point its cost alone is kept: of long stretches a point takes more than the record.
+    cost = point_at(problem, z, levels).cost
     count, mounts = len(problem.unknowns), len(extras.mounts)
-    best = here
+    best = cost, z
     for soft in SOFT:
         start = z.copy()
         start[count : count + mounts] = soft
         late = np.array([name.endswith(".delay") for name in extras.names])
         start[count:][late] += soft - float(np.mean(z[count : count + mounts]))
-        best = min(best, descended(problem, start, levels, negligible=ROUGH_RISE), key=lambda point: point.cost)
-    if here.cost - best.cost < CHI_SQUARE_95:
-        return here, levels
-    z, levels = settled(problem, best.z, levels)
+        soft_z, _, soft_cost = descended(problem, start, levels, negligible=ROUGH_RISE)
+        best = (soft_cost, soft_z) if soft_cost < best[0] else best
+    if cost - best[0] >= CHI_SQUARE_95:
+        z, levels = settled(problem, best[1], levels)
     return point_at(problem, z, levels), levels
 
 

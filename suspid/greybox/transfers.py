@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,13 +115,14 @@ class Physics:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Transfer:
-    """Transfer at every line, and how parameters change it: ``dT = left right`` by parameter."""
+    """Transfer at every line, and how parameters change it: ``dT = left right[:, place]`` by parameter."""
 
     T: ComplexArray  # (line, output, cause)
     left: ComplexArray  # (line, output, parameter)
-    right: ComplexArray  # (line, parameter, cause)
+    right: ComplexArray  # (line, place, cause): spring, damper and mount of a strut act at one place
     ends: ComplexArray  # (line, channel, column): what the ends of a stretch leave
-    ends_right: ComplexArray  # (line, parameter, column): parameters change it by ``a ends_right``
+    ends_right: ComplexArray  # (line, place, column): parameters change it by ``a ends_right[:, place]``
+    places: tuple[int, ...]  # of each parameter
     outputs: tuple[int, ...]
     causes: tuple[int, ...]
 
@@ -129,6 +130,39 @@ class Transfer:
     def left_by_ends(self) -> ComplexArray:
         """What the ends of a stretch leave in the residual, (line, output, column)."""
         return np.asarray(self.ends[:, list(self.outputs)] - self.T @ self.ends[:, list(self.causes)])
+
+
+class _Motion(NamedTuple):
+    """What the motion of a car follows from, at every line."""
+
+    rate: ComplexArray  # (line, strut): s / (1 + s tau)
+    derive: ComplexArray  # (line, channel): what a channel makes of a displacement
+    inverse: ComplexArray  # (line, free, free): D^-1
+    N: ComplexArray  # (line, free, given)
+    shown: ComplexArray  # (line, channel, free): H D^-1
+    P: ComplexArray  # (line, channel, given)
+
+
+def _motion(layout: Layout, s: ComplexArray, physics: Physics) -> _Motion:
+    rate = s[:, None] / (1 + s[:, None] * physics.relaxation)
+    b = physics.stiffness + physics.damping * rate
+    af, ag, struts = layout.arms_free, layout.arms_given, len(physics.stiffness)
+    D = (b @ (af[:, :, None] * af[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], af.shape[1])
+    own = np.arange(len(layout.free))
+    D[:, own, own] += s[:, None] ** 2 * physics.masses[list(layout.free)]
+    N = -(b @ (af[:, :, None] * ag[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], ag.shape[1])
+    inverse = inverses(np.asarray(D, complex))
+    derive = np.stack([_power(s, order) for order in layout.orders.tolist()], axis=1) * physics.gains
+    if np.any(physics.delays):
+        derive = derive * np.exp(-s[:, None] * physics.delays)
+    shown = np.asarray((layout.on_free @ inverse) * derive[:, :, None], complex)
+    return _Motion(rate, derive, inverse, N, shown, shown @ N + layout.on_given * derive[:, :, None])
+
+
+def shown_by_causes(layout: Layout, s: ComplexArray, physics: Physics) -> ComplexArray:
+    """Return T alone, (line, output, cause)."""
+    P = _motion(layout, s, physics).P
+    return np.asarray(P[:, list(layout.outputs)] @ inverses(P[:, list(layout.causes)]))
 
 
 def transfer(
@@ -146,18 +180,8 @@ def transfer(
     ``rows`` count stiffnesses, then dampings, then masses. Gains and delays are given by channel.
     """
     o, g = list(layout.outputs), list(layout.causes)
-    struts = len(physics.stiffness)
-    rate = s[:, None] / (1 + s[:, None] * physics.relaxation)
-    b = physics.stiffness + physics.damping * rate
-    af, ag = layout.arms_free, layout.arms_given
-    D = (b @ (af[:, :, None] * af[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], af.shape[1])
-    own = np.arange(len(layout.free))
-    D[:, own, own] += s[:, None] ** 2 * physics.masses[list(layout.free)]
-    N = -(b @ (af[:, :, None] * ag[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], ag.shape[1])
-    inverse = inverses(np.asarray(D, complex))
-    derive = s[:, None] ** layout.orders * physics.gains * np.exp(-s[:, None] * physics.delays)
-    shown = np.asarray((layout.on_free @ inverse) * derive[:, :, None], complex)
-    P = shown @ N + layout.on_given * derive[:, :, None]
+    struts, af, ag = len(physics.stiffness), layout.arms_free, layout.arms_given
+    rate, derive, inverse, N, shown, P = _motion(layout, s, physics)
     back = inverses(P[:, g])
     T = P[:, o] @ back
     motion: Any = inverse @ N
@@ -168,54 +192,69 @@ def transfer(
     lowest, highest = -max(0, int(orders.max()) - reference), ENDS + max(0, reference - int(orders.min()))
     highest += bool(len(mounts) or np.any(physics.relaxation))
     own_ends = _own_ends(layout, unit, reference)
+    powers = np.stack([_power(unit, m - reference) for m in range(lowest, highest)], axis=1)[:, None, :, None]
+    nothing = own_ends.shape[2]
 
     def with_powers(values: Any) -> ComplexArray:
-        shifted = values * unit[:, None, None] ** -float(reference)
-        powers = [shifted * unit[:, None, None] ** float(m) for m in range(lowest, highest)]
-        nothing = np.zeros((len(s), values.shape[1], own_ends.shape[2]))
-        return np.concatenate([*powers, nothing], axis=2)
+        made = np.zeros((len(s), values.shape[1], powers.shape[2] * values.shape[2] + nothing), complex)
+        shifted = powers * values[:, :, None, :]
+        made[:, :, : made.shape[2] - nothing] = shifted.reshape(len(s), values.shape[1], -1)
+        return made
 
     ends, ends_of_mass = with_powers(shown), with_powers(inverse)
-    ends_of_strut, stretch, motion = af @ ends_of_mass, (af @ motion + ag) @ back, motion @ back
+    stretch, motion = (af @ motion + ag) @ back, motion @ back
     per_strut, per_mass = -shown @ af.T, -shown * s[:, None, None] ** 2
-    lefts, rights, ends_right = [], [], []
+    lefts, keys = [], list[tuple[str, int]]()
     for row in rows:
         j = row % struts if row < 2 * struts else row - 2 * struts
         if row < 2 * struts:
-            lefts.append(per_strut[:, :, j] * (rate[:, j : j + 1] ** (row >= struts)))
-            rights.append(stretch[:, j])
-            ends_right.append(ends_of_strut[:, j])
+            lefts.append(per_strut[:, :, j] if row < struts else per_strut[:, :, j] * rate[:, j : j + 1])
+            keys.append(("strut", j))
         elif j in layout.free:
-            place = layout.free.index(j)
-            lefts.append(per_mass[:, :, place])
-            rights.append(motion[:, place])
-            ends_right.append(ends_of_mass[:, place])
+            lefts.append(per_mass[:, :, layout.free.index(j)])
+            keys.append(("mass", layout.free.index(j)))
         else:
             lefts.append(np.zeros_like(derive))
-            rights.append(np.zeros_like(back[:, 0]))
-            ends_right.append(np.zeros_like(ends[:, 0]))
+            keys.append(("channel", 0))
     for j in mounts:
         lefts.append(-physics.damping[j] * rate[:, j : j + 1] ** 2 * per_strut[:, :, j])
-        rights.append(stretch[:, j])
-        ends_right.append(ends_of_strut[:, j])
+        keys.append(("strut", j))
     lines = np.ones(len(s))
     for channel, factor in [(c, lines / physics.gains[c]) for c in gains] + [(c, -s) for c in delays]:
         alone = np.zeros_like(derive)
         alone[:, channel] = factor
         lefts.append(alone)
-        rights.append((P @ back)[:, channel])
-        ends_right.append(ends[:, channel])
+        keys.append(("channel", channel))
+    shows = P @ back
+
+    def acts(kind: str, at: int) -> tuple[ComplexArray, ComplexArray]:
+        """Return what acts at a place, an elongation, a motion or a channel, by causes and by ends."""
+        if kind == "strut":
+            return stretch[:, at], np.asarray(af[at] @ ends_of_mass)
+        return (motion[:, at], ends_of_mass[:, at]) if kind == "mass" else (shows[:, at], ends[:, at])
+
+    places = list(dict.fromkeys(keys))
+    right, ends_right = (np.stack(one, axis=1) for one in zip(*[acts(*key) for key in places], strict=True))
     ends[:, :, ends.shape[2] - own_ends.shape[2] :] = own_ends
     a = np.stack(lefts, axis=2)
     return Transfer(
         T=T,
         left=a[:, o] - T @ a[:, g],
-        right=np.stack(rights, axis=1),
+        right=right,
         ends=ends,
-        ends_right=np.stack(ends_right, axis=1),
+        ends_right=ends_right,
+        places=tuple(places.index(key) for key in keys),
         outputs=layout.outputs,
         causes=layout.causes,
     )
+
+
+def _power(values: ComplexArray, exponent: int) -> ComplexArray:
+    """Return an integer power; that of NumPy takes logarithms of complex numbers, fifty times as long."""
+    made = np.ones_like(values)
+    for _ in range(abs(exponent)):
+        made = made * values
+    return np.asarray(1 / made if exponent < 0 else made)
 
 
 def _own_ends(layout: Layout, unit: ComplexArray, reference: int) -> ComplexArray:
@@ -231,5 +270,5 @@ def _own_ends(layout: Layout, unit: ComplexArray, reference: int) -> ComplexArra
     ]
     ends = np.zeros((len(unit), len(layout.orders), len(columns)), complex)
     for i, (channel, power) in enumerate(columns):
-        ends[:, channel, i] = unit ** float(power)
+        ends[:, channel, i] = _power(unit, power)
     return ends

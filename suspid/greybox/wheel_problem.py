@@ -37,8 +37,8 @@ def wheel_problem(
     stretch: Second | None,
 ) -> WheelProblem:
     """Return the problem, with gains and delays of all causes and all mounts unknown unless some are named."""
-    limits = band_of(car) if band is None else band
-    lowest = band_of(car)[0] / BELOW
+    own = band_of(car)
+    limits, lowest = own if band is None else band, own[0] / BELOW
     sources = []
     for numbers in by_logger(trials):
         trial = trials[numbers[0]]

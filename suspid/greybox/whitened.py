@@ -37,10 +37,10 @@ class Whitened:
     def slope(self, part: slice) -> RealArray:
         """Return the derivatives of the residual of some stretches, (stretch, row, unknown)."""
         made, ends = self.transfer, self.ends[part]
-        apart = self.motion[:, part] - ends @ turned(made.ends[:, list(self.shown)])
-        amounts = apart @ turned(made.right) + ends @ turned(made.ends_right)
+        apart = self.motion[:, part] - _combined(ends, made.ends[:, list(self.shown)])
+        amounts = apart @ turned(made.right) + _combined(ends, made.ends_right)
         own = self.factor @ made.left
-        flat = _real(amounts[:, :, None, :] * -own[:, None]) @ self.columns
+        flat = _real(amounts[:, :, None, list(made.places)] * -own[:, None]) @ self.columns
         flat -= self.basis @ (self.basis.T @ flat)
         return flat
 
@@ -77,7 +77,8 @@ class Whitened:
         made, own = self.transfer, self.factor @ self.transfer.left
         gain = precision(self.factor) @ made.T * self.causes
         blurred = np.diag(self.causes) - self.causes[:, None] * (turned(made.T).conj() @ gain)
-        seen = made.right.conj() @ turned(blurred) @ turned(made.right)
+        right = made.right[:, list(made.places)]
+        seen = right.conj() @ turned(blurred) @ turned(right)
         pairs = np.sum((turned(own).conj() @ own) * seen, axis=0).real
         return np.asarray(len(self.residual) * self.columns.T @ pairs @ self.columns)
 
@@ -115,6 +116,14 @@ def _complex(rows: RealArray, factor: ComplexArray) -> ComplexArray:
     """Return rows (stretch, row) as complex numbers (line, stretch, output)."""
     halves = rows.reshape(len(rows), 2, *factor.shape[:2])
     return np.asarray((halves[:, 0] + 1j * halves[:, 1]).swapaxes(0, 1))
+
+
+def _combined(amounts: RealArray, columns: ComplexArray) -> ComplexArray:
+    """Return sums of columns (line, row, column) times amounts (stretch, column), (line, stretch, row)."""
+    # One product of all lines: a product for each line takes most of its time to call.
+    lines, rows = columns.shape[:2]
+    pairs = np.ascontiguousarray(columns.transpose(2, 0, 1)).view(float).reshape(columns.shape[2], -1)
+    return np.asarray((amounts @ pairs).view(complex).reshape(len(amounts), lines, rows).swapaxes(0, 1))
 
 
 def turned(matrices: ComplexArray) -> ComplexArray:

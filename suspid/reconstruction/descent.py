@@ -83,10 +83,19 @@ def next_radius(radius: float, gained: float, expected: float) -> float:
 
 
 def bounded_step(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return the x between bounds of least ``|A x - b|``, by SciPy."""
+    """Return the x between bounds of least ``|A x - b|``, by SciPy where a guess of the bounds that it meets fails."""
     x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], float)
     if np.all((x >= low) & (x <= high)):
         return x
+    held = (x < low) | (x > high)
+    at: RealArray = np.clip(x, low, high)
+    free = ~held
+    at[free], _, rank, _ = np.linalg.lstsq(A[:, free], b - A[:, held] @ at[held], rcond=None)
+    # The problem is convex: what is within bounds, and would leave them from those it is at, is its minimum.
+    rise = A[:, held].T @ (A @ at - b)
+    inside = rank == np.sum(free) and np.all((at >= low) & (at <= high))
+    if inside and np.all(np.where(at[held] == low[held], rise, -rise) > 0):
+        return at
     from scipy.optimize import lsq_linear
 
     return np.asarray(lsq_linear(A, b, (low, high), method="bvls", tol=1e-14).x, float)

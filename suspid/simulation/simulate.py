@@ -15,7 +15,7 @@ from suspid.records import as_response
 from suspid.signals import uniform_step
 from suspid.simulation.free_decay import check_continuous, state_of
 from suspid.simulation.piecewise import Driving, machine_of, state_labels
-from suspid.simulation.recursion import DEGREES, Interpolation, derivatives, driven_states
+from suspid.simulation.recursion import DEGREES, Interpolation, derivatives, driven_states, suited
 from suspid.simulation.stepping import motion, observed
 from suspid.units import RealArray
 from suspid.values import nearest_names
@@ -34,7 +34,7 @@ def simulate(
     *,
     outputs: Sequence[str] | None = None,
     initial_state: Mapping[str, float] | ArrayLike | None = None,
-    interpolation: Interpolation = "linear",
+    interpolation: Interpolation | None = None,
 ) -> control.TimeResponseData:
     """Return the response to roads and forces, exact for inputs that are polynomials between the samples.
 
@@ -55,10 +55,13 @@ def simulate(
         What to record, if the model is a suspension, as in `statespace`.
     initial_state : mapping of str to float, or array_like (state,), optional
         State at the first time, by label or as a vector. Default: zero, at rest where all coordinates are zero.
-    interpolation : {"linear", "cubic"}
+    interpolation : {"linear", "cubic"}, optional
         How inputs move between samples: straight as in python-control, or on a cubic spline, which is far nearer to a
         smooth motion (its error falls with the fourth power of the step instead of the second) but overshoots at steps.
-        Where straight lines meet, accelerations of wheels jump: records of them to identify need "cubic".
+        Default: straight where an input stands still at most samples, as before and after a step, else on a spline.
+        Where straight lines meet, accelerations of wheels jump. No filter removes what lies above half the sampling
+        rate of a record at the same samples; it folds into the band in step with the motion, and `estimate` takes it
+        for a delay, a mount and less damping: records to identify from need "cubic".
 
     Returns
     -------
@@ -99,6 +102,7 @@ def simulate(
     time = _times(timepts, interpolation)
     step, names = uniform_step(time), list(inputs)
     samples = _samples(inputs, system.input_labels, time.size)
+    interpolation = interpolation or suited(samples)
     start = np.zeros(system.nstates) if initial_state is None else state_of(system.state_labels, initial_state)
     pieces = derivatives(samples, step, interpolation)
     B, D = (_by_derivative(np.asarray(matrix, float), system.input_labels, names) for matrix in (system.B, system.D))
@@ -116,9 +120,9 @@ def simulate(
     )
 
 
-def _times(timepts: ArrayLike, interpolation: Interpolation) -> RealArray:
+def _times(timepts: ArrayLike, interpolation: Interpolation | None) -> RealArray:
     """Return the times; refuse them, and an unknown interpolation."""
-    if interpolation not in DEGREES:
+    if interpolation is not None and interpolation not in DEGREES:
         raise InputError(f"{interpolation=} is unknown; it is 'linear' or 'cubic'")
     time = np.asarray(timepts, float)
     if time.ndim != 1 or time.size < 2:
@@ -132,14 +136,15 @@ def _simulate_pieces(
     inputs: Mapping[str, ArrayLike],
     outputs: Sequence[str] | None,
     initial_state: Mapping[str, float] | ArrayLike | None,
-    interpolation: Interpolation,
+    interpolation: Interpolation | None,
 ) -> control.TimeResponseData:
     """Return the response of a suspension with friction or curves."""
     time = _times(timepts, interpolation)
     step, labels = uniform_step(time), [*car.roads, *(f"{road}{RATE}" for road in car.roads)]
     names = list(car.coordinates if outputs is None else outputs)
     pushes = [name for name in inputs if name.endswith(FORCE) and name not in car.roads]
-    samples = dict(zip(inputs, _samples(inputs, [*labels, *pushes], time.size), strict=True))
+    rows = _samples(inputs, [*labels, *pushes], time.size)
+    samples, interpolation = dict(zip(inputs, rows, strict=True)), interpolation or suited(rows)
     driving = Driving(
         roads=tuple(road for road in car.roads if road in inputs),
         rates=tuple(road for road in car.roads if f"{road}{RATE}" in inputs),
