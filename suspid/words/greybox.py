@@ -167,6 +167,22 @@ class EstimateCheck(Code):
         _listed("Fixed at nominal, because they do not act once the motion of {given} is given: {names}."),
     )
     STILL = "still", _listed("The modes are those with {names} fixed in place.")
+    BEHIND = (
+        "behind",
+        "The road under {rear} is that under {front}, {lag:.4g} ± {std:.2g} m later, with a coherence of "
+        "{coherence:.3g} at the middle of the lines. Tires and wheel masses follow from that, and hardly from the "
+        "spectrum of the road.",
+    )
+    NOT_BEHIND = (
+        "not behind",
+        "The road under {rear} is hardly that under {front}: the coherence is {coherence:.2g} at the middle of the "
+        "lines. Tires and wheel masses rest on the spectrum of the road. Check which road is behind, and how far.",
+    )
+    FEW_BEHIND = (
+        "few behind",
+        "Only {count} stretches, of which {fewest} are needed, tell whether one road is behind the other: tires and "
+        "wheel masses are those of each axle by itself.",
+    )
     ROAD = (
         "road model",
         _listed(

@@ -1,0 +1,102 @@
+"""Tires and wheel masses from two axles that roll over one track, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from suspid.greybox.axle_data import STANDING, Behind, axle_record
+from suspid.greybox.axle_fit import AxleFit, AxleProblem, fit_axles
+from suspid.greybox.axle_model import AxleModel, axle_model
+from suspid.greybox.fits import Fit
+from suspid.greybox.measured_causes import WheelProblem
+from suspid.greybox.road_maps import MapProblem
+from suspid.greybox.road_model import road_model
+from suspid.greybox.tire_fit import TireProblem
+from suspid.greybox.trials import Trial
+from suspid.greybox.wheel_power import MOMENTS
+from suspid.model import Suspension
+from suspid.units import Metre, RealArray
+from suspid.words import Check, Level, Remark
+from suspid.words.greybox import EstimateCheck
+
+# Stretches of all records, at least: the scatter of fewer says little of the intervals.
+FEWEST = 6
+# Coherence of the two roads at the middle line, above which they count as one track.
+ONE_TRACK = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Followed:
+    """What two axles on one track say of tires and wheel masses."""
+
+    x: RealArray
+    covariance: RealArray  # (unknown, unknown)
+    across: RealArray  # (unknown, unknown of the first step): covariance with them
+    by_found: RealArray  # (unknown, unknown of the first step): change with them
+    check: Check
+
+
+def followed(
+    problem: WheelProblem,
+    found: Fit,
+    z: RealArray,
+    whole: TireProblem,
+    start: RealArray,
+    trials: Sequence[Trial],
+    speeds: Sequence[RealArray],
+    *,
+    behind: Behind,
+    radius: Metre | None,
+) -> Followed | Check:
+    """Return what both axles say, from the fit of each alone at ``start``; a check where the drive is too short."""
+    slowest = STANDING * float(np.median(np.concatenate(list(speeds))))
+    models = []
+    for number, levels in enumerate(found.levels):
+        source = problem.sources[number]
+        maps = MapProblem(problem=problem, number=number, tires=whole.unknowns, roads=(behind.front, behind.rear))
+        track = next(m.track for m in whole.models if m.track.source == number)
+        band = (float(track.hertz[0]), float(track.hertz[-1]))
+        records = [
+            axle_record(problem, z, number, levels, trials[i], speed=speeds[i], band=band, slowest=slowest)
+            for i in source.numbers
+        ]
+        cut = [speeds[i][a : a + track.samples] for i, r in zip(source.numbers, records, strict=True) for a in r.starts]
+        if not cut:
+            continue
+        moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * track.samples).astype(int)
+        own = replace(track, power=np.zeros((len(cut), len(track.hertz))), speeds=np.array(cut)[:, moments])
+        models.append(axle_model(maps, z, levels, records, road_model(own, radius=radius)))
+    count = sum(model.stretches for model in models)
+    if count < FEWEST:
+        return Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST}), Level.CARE)
+    values, vectors = np.linalg.eigh(found.covariance)
+    # What the first step knows to rounding, such as a mount on its bound, stays.
+    keep = values > 1e-12 * values[-1]
+    spread = vectors[:, keep] * np.sqrt(values[keep])
+    asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=z, spread=spread, lag=behind.lag)
+    fit = fit_axles(asked, start)
+    return Followed(
+        x=fit.state.x,
+        covariance=fit.covariance,
+        across=fit.by_found @ spread.T,
+        by_found=fit.by_found @ np.linalg.pinv(spread),
+        check=_check(models, fit, whole.unknowns.car, behind),
+    )
+
+
+def _check(models: Sequence[AxleModel], fit: AxleFit, car: Suspension, behind: Behind) -> Check:
+    """Return what is said of the two roads."""
+    coherence = float(np.median([np.median(m.shared(own)) for m, own in zip(models, fit.state.own, strict=True)]))
+    numbers = {
+        "rear": car.roads[behind.rear],
+        "front": car.roads[behind.front],
+        "lag": fit.lag,
+        "std": fit.lag_std,
+        "coherence": coherence,
+    }
+    if coherence < ONE_TRACK:
+        return Check(Remark(EstimateCheck.NOT_BEHIND, numbers), Level.CARE)
+    return Check(Remark(EstimateCheck.BEHIND, numbers), Level.NOTE)
