@@ -39,6 +39,7 @@ class Behind(NamedTuple):
     rear: int
     front: int
     lag: Metre
+    wheels: tuple[int, int]  # coordinates on the front and the rear one
 
 
 def behind_of(
@@ -49,8 +50,8 @@ def behind_of(
     Raises
     ------
     InputError
-        If the names are not the two roads of the car, the distance is not positive, the wheels are not two, or the speed is
-        unknown.
+        If the names are not the two roads of the car, the distance is not positive, the wheels are not two, or the
+        speed is unknown.
     """
     if not behind:
         return None
@@ -59,8 +60,8 @@ def behind_of(
             Argument("behind"), " needs the speed, from which the delay follows; give ", Argument("speed"), " too"
         )
     roads = car.roads
-    on = np.any(car.arms(car.roads) != 0, axis=1)
-    arms = car.arms(car.coordinates)
+    arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
+    on = np.any(on_roads != 0, axis=1)
     fits = len(behind) == 1 and len(roads) == 2
     for rear, led in behind.items():
         front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", np.nan)
@@ -77,7 +78,10 @@ def behind_of(
                 Argument("behind"),
                 f": two wheels must stand on the two roads, and both be given; here {listed(wheels)}",
             )
-        return Behind(rear=roads.index(rear), front=roads.index(front), lag=float(lag))
+        place = [
+            int(np.flatnonzero(np.any(arms[on_roads[:, roads.index(r)] != 0] != 0, axis=0))[0]) for r in (front, rear)
+        ]
+        return Behind(rear=roads.index(rear), front=roads.index(front), lag=float(lag), wheels=(place[0], place[1]))
     return None
 
 

@@ -12,14 +12,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.greybox.axle_model import AxleModel, Expected
 from suspid.greybox.road_maps import RoadMap
 from suspid.greybox.tire_fit import scatter
-from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.reconstruction import LARGEST_STEP, Unknowns
 from suspid.units import ComplexArray, Metre, Ratio, RealArray
 
+# Way that is left of tires, masses and the first step, in standard deviations of each: it ends the search. The value
+# stalls before the scores are zero: it is that of a constant delay in each stretch, and they are not its derivatives.
+SETTLED = 0.03
 LAG_STD: Ratio = 0.05  # of the stated distance of the axles, and of the scale of the speed
 
 
@@ -29,7 +32,7 @@ class AxleProblem:
 
     models: tuple[AxleModel, ...]
     unknowns: Unknowns  # of the second step
-    found: RealArray  # z of the first step
+    found: RealArray  # z of the first step, without bounds: on them its errors have no mean of zero
     spread: RealArray  # (z, component): square root of its covariance
     lag: Metre
 
@@ -82,18 +85,23 @@ class AxleFit:
     lag_std: Metre
 
 
-def fit_axles(problem: AxleProblem, start: RealArray) -> AxleFit:
-    """Return the best fit from tires and wheel masses ``start`` on."""
-    state = _descended(problem, _first(problem, start))
-    information, spread = _known(problem, state)[0], _known(problem, state)[0]
+def fit_axles(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> AxleFit:
+    """Return the best fit from tires and wheel masses ``start`` on, and from each model's own unknowns."""
+    state = _descended(problem, _first(problem, start, own))
+    (information, gradient), spread = _known(problem, state), _known(problem, state)[0]
     for number, model in enumerate(problem.models):
         place = _place(problem, number)
         cells = _cells(problem, state, number, _measured(problem, state, model))
         flat = cells.slopes.reshape(-1, len(place))
         information[np.ix_(place, place)] += flat.T @ flat
+        gradient[place] += flat.T @ cells.excess.ravel()
         each = cells.slopes * cells.excess[:, :, None]
         by_line = each.reshape(len(each), -1, 4, len(place)).sum(axis=2)
         spread[np.ix_(place, place)] += scatter(by_line)
+    stuck = _stuck(problem, state, gradient)
+    stuck = stuck[stuck >= problem.shared]
+    hold(information, gradient, stuck)
+    spread[stuck] = spread[:, stuck] = 0.0
     inverse = np.linalg.inv(information)
     whole = inverse @ spread @ inverse
     first, count = problem.spread.shape[1], len(problem.unknowns)
@@ -120,13 +128,13 @@ def _measured(problem: AxleProblem, state: AxleState, model: AxleModel) -> Compl
     return model.measured(z, x, lag)
 
 
-def _first(problem: AxleProblem, start: RealArray) -> AxleState:
+def _first(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> AxleState:
     """Return where the search begins: at the lag of greatest coherence, and levels of the mean power."""
     state = AxleState(
         off=np.zeros(problem.spread.shape[1]),
         x=start,
         log_lag=0.0,
-        own=tuple(m.prior.mean for m in problem.models),
+        own=tuple(own),
         levels=tuple(np.zeros(m.stretches) for m in problem.models),
     )
     # Within three standard deviations of the stated lag, in steps of a few degrees at the highest line.
@@ -212,7 +220,6 @@ def _flat(root: ComplexArray, matrix: ComplexArray) -> RealArray:
 
 def _descended(problem: AxleProblem, state: AxleState) -> AxleState:
     """Return the most likely point near a start."""
-    u, first = problem.unknowns, problem.spread.shape[1]
     (value, power), damping = _value(problem, state), 1e-3
     # About 10 steps are needed.
     for _ in range(60):
@@ -223,24 +230,39 @@ def _descended(problem: AxleProblem, state: AxleState) -> AxleState:
             flat = cells.slopes.reshape(-1, len(place))
             information[np.ix_(place, place)] += flat.T @ flat
             gradient[place] += flat.T @ cells.excess.ravel()
-        own = gradient[first : first + len(u)]
-        stuck = first + np.flatnonzero(((state.x <= u.lower) & (own < 0)) | ((state.x >= u.upper) & (own > 0)))
-        gradient[stuck] = 0.0
-        information[stuck] = information[:, stuck] = 0.0
-        information[stuck, stuck] = 1.0
+        hold(information, gradient, _stuck(problem, state, gradient))
+        inverse = np.linalg.inv(information)
+        left = np.max(np.abs(inverse @ gradient / np.sqrt(np.diag(inverse)))[: problem.shared])
         while damping < 1e8:
             scaled = information + damping * np.diag(np.diag(information))
             trial = _moved(problem, state, every, np.asarray(np.linalg.solve(scaled, gradient)))
             new, seen = _value(problem, trial)
-            if new <= value:
+            if new <= value or left < SETTLED:
                 break
             damping *= 10
         else:
             break
-        gained, state, value, power, damping = value - new, trial, new, seen, damping / 10
-        if gained < NEGLIGIBLE_GAIN:
+        state, value, power, damping = trial, new, seen, damping / 10
+        if left < SETTLED:
             break
     return state
+
+
+def _stuck(problem: AxleProblem, state: AxleState, gradient: RealArray) -> NDArray[np.intp]:
+    """Return which unknowns lie on a bound that they would cross."""
+    u, first = problem.unknowns, problem.spread.shape[1]
+    low, high = np.zeros(len(gradient), bool), np.zeros(len(gradient), bool)
+    x = slice(first, first + len(u))
+    low[x], high[x] = state.x <= u.lower, state.x >= u.upper
+    low[problem.shared :] = np.concatenate([o <= m.lower for m, o in zip(problem.models, state.own, strict=True)])
+    return np.flatnonzero((low & (gradient < 0)) | (high & (gradient > 0)))
+
+
+def hold(information: RealArray, gradient: RealArray, which: NDArray[np.intp]) -> None:
+    """Take unknowns out of an equation of steps, in place."""
+    gradient[which] = 0.0
+    information[which] = information[:, which] = 0.0
+    information[which, which] = 1.0
 
 
 def _moved(problem: AxleProblem, state: AxleState, every: Sequence[Cells], step: RealArray) -> AxleState:
@@ -248,13 +270,14 @@ def _moved(problem: AxleProblem, state: AxleState, every: Sequence[Cells], step:
     u, first = problem.unknowns, problem.spread.shape[1]
     # Unknowns of roads, logarithms of which some go a long way, take longer steps than the car.
     longest = np.where(np.arange(len(step)) < problem.shared, LARGEST_STEP, 4 * LARGEST_STEP)
+    longest[problem.shared :][np.concatenate([np.isfinite(m.lower) for m in problem.models])] = np.inf
     step = np.clip(step, -longest, longest)
     by_x = step[first : first + len(u)]
     x = np.where(u.positive, state.x * np.exp(np.where(u.positive, by_x, 0.0)), state.x + by_x)
     own, levels = [], []
     for number, cells in enumerate(every):
         place = _place(problem, number)
-        own.append(state.own[number] + step[place[problem.shared :]])
+        own.append(np.maximum(state.own[number] + step[place[problem.shared :]], problem.models[number].lower))
         change = cells.level_step + cells.level_slope @ step[place]
         levels.append(state.levels[number] + np.clip(change, -2 * LARGEST_STEP, 2 * LARGEST_STEP))
     return AxleState(

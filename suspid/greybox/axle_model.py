@@ -21,7 +21,6 @@ from suspid.greybox.road_model import (
     NOISE_STD,
     ORDER_FORCE,
     ORDER_GROWTH,
-    ORDER_STD,
     RADIUS_STD,
     SMALL_MOVE,
     Prior,
@@ -34,6 +33,9 @@ from suspid.units import ComplexArray, RealArray
 # coherence of tracks some centimetres apart does, whose rho grows with the square.
 UNSHARED = (-5.0, 3.0)
 UNSHARED_CHANGE = 1.5
+# Power of a wheel order over that of a force of `ORDER_FORCE`, 500 N at most. It is linear here: the logarithm of none
+# has no end.
+LARGEST_ORDER = 2500.0
 SMALL_STEP = 1e-4  # of unknowns, in derivatives of maps by differences
 
 
@@ -67,9 +69,25 @@ class AxleModel:
         mean = [EXPONENT[0], *[0.0] * parts, 0.0, 0.0, UNSHARED[0], *[0.0] * parts]
         std = [EXPONENT[1], *[1.0] * parts, NOISE_STD, NOISE_STD, UNSHARED[1], *[1.0] * parts]
         if orders:
-            mean += [*[float(np.log(ORDER_FORCE**2 / 2))] * (2 * orders), ORDER_GROWTH[0], 0.0]
-            std += [*[ORDER_STD] * (2 * orders), ORDER_GROWTH[1], RADIUS_STD]
+            mean += [*[0.0] * (2 * orders), ORDER_GROWTH[0], 0.0]
+            std += [*[LARGEST_ORDER] * (2 * orders), ORDER_GROWTH[1], RADIUS_STD]
         return Prior(np.array(mean), np.array(std))
+
+    @property
+    def lower(self) -> RealArray:
+        """Bounds of own unknowns: no wheel order has less than no power."""
+        lower, orders = np.full(self.count, -np.inf), len(self.road.orders)
+        if orders:
+            lower[-2 - 2 * orders : -2] = 0.0
+        return lower
+
+    def first(self, front: RealArray, rear: RealArray) -> RealArray:
+        """Return own unknowns to begin with: wheel orders as the models of each wheel's road found them."""
+        orders, own = len(self.road.orders), self.prior.mean.copy()
+        if orders:
+            both = [np.exp(one[-2 - orders : -2]) / (ORDER_FORCE**2 / 2) for one in (front, rear)]
+            own[-2 - 2 * orders :] = np.concatenate([*both, (front[-2:] + rear[-2:]) / 2])
+        return own
 
     @property
     def components(self) -> RealArray:
@@ -143,8 +161,8 @@ class AxleModel:
             at = 4 + 2 * parts
             for i in range(2 * orders):
                 alone = own.copy()
-                alone[at : at + 2 * orders] = -np.inf
-                alone[at + i] = own[at + i]
+                alone[at : at + 2 * orders] = 0.0
+                alone[at + i] = 1.0
                 columns.append(self._orders(here, alone, made.per_metre))
             for i in (-2, -1):
                 near = own.copy()
@@ -185,7 +203,7 @@ class AxleModel:
         if not self.road.orders:
             return made
         orders, growth, log_radius = self.road.orders, *own[-2:].tolist()
-        amounts = np.exp(own[-2 - 2 * len(orders) : -2]).reshape(2, -1)
+        amounts = ORDER_FORCE**2 / 2 * own[-2 - 2 * len(orders) : -2].reshape(2, -1)
         gives = np.linalg.inv(here.tires)
         for order, both in zip(orders, amounts.T, strict=True):
             power = self.road.rotations(order, growth, log_radius) @ self.road.track.kernel.T * per_metre

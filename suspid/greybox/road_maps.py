@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from suspid.greybox.measured_causes import WheelProblem
-from suspid.greybox.transfers import Physics, transfer
+from suspid.greybox.transfers import Physics
 from suspid.reconstruction import Unknowns
 from suspid.units import ComplexArray, RealArray
 
@@ -53,12 +53,13 @@ class MapProblem:
         D = np.einsum("lj,ja,jb->lab", b, arms, arms)
         own = np.arange(len(physics.masses))
         D[:, own, own] += s[:, None] ** 2 * physics.masses
-        g, f, causes = list(layout.given), list(layout.free), list(layout.causes)
-        to_free = D[:, g][:, :, f] @ np.linalg.solve(D[:, f][:, :, f], D[:, f][:, :, g])
+        g, f = list(layout.given), list(layout.free)
+        follows = -np.linalg.solve(D[:, f][:, :, f], D[:, f][:, :, g])
+        on_wheels = D[:, g][:, :, g] + D[:, g][:, :, f] @ follows
         tires = np.einsum("lj,ja,jr->lar", b, arms[:, g], on_roads)
-        shown = s[:, None] ** layout.orders[causes] * physics.gains[causes]
-        shown = shown * np.exp(-s[:, None] * physics.delays[causes])
-        turned = -np.linalg.solve(tires, D[:, g][:, :, g] - to_free) @ np.linalg.inv(layout.on_given[causes])
-        # One derivative is asked for, as `transfer` makes no empty ones.
-        made = transfer(layout, s, physics, [0], mounts=(), gains=(), delays=())
-        return RoadMap(roads=turned / shown[:, None], tires=tires, outputs=made.T)
+        derive = s[:, None] ** layout.orders * physics.gains * np.exp(-s[:, None] * physics.delays)
+        shown = derive[:, :, None] * (layout.on_free @ follows + layout.on_given)
+        back = np.linalg.inv(shown[:, list(layout.causes)])
+        return RoadMap(
+            roads=-np.linalg.solve(tires, on_wheels) @ back, tires=tires, outputs=shown[:, list(layout.outputs)] @ back
+        )

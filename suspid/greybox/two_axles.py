@@ -14,7 +14,7 @@ from suspid.greybox.fits import Fit
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.road_maps import MapProblem
 from suspid.greybox.road_model import road_model
-from suspid.greybox.tire_fit import TireProblem
+from suspid.greybox.tire_fit import State, TireProblem
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_power import MOMENTS
 from suspid.model import Suspension
@@ -44,16 +44,16 @@ def followed(
     found: Fit,
     z: RealArray,
     whole: TireProblem,
-    start: RealArray,
+    alone: State,
     trials: Sequence[Trial],
     speeds: Sequence[RealArray],
     *,
     behind: Behind,
     radius: Metre | None,
 ) -> Followed | Check:
-    """Return what both axles say, from the fit of each alone at ``start``; a check where the drive is too short."""
+    """Return what both axles say, from the fits of each ``alone``; a check where the drive is too short."""
     slowest = STANDING * float(np.median(np.concatenate(list(speeds))))
-    models = []
+    models, first = [], []
     for number, levels in enumerate(found.levels):
         source = problem.sources[number]
         maps = MapProblem(problem=problem, number=number, tires=whole.unknowns, roads=(behind.front, behind.rear))
@@ -68,7 +68,12 @@ def followed(
             continue
         moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * track.samples).astype(int)
         own = replace(track, power=np.zeros((len(cut), len(track.hertz))), speeds=np.array(cut)[:, moments])
-        models.append(axle_model(maps, z, levels, records, road_model(own, radius=radius)))
+        model = axle_model(maps, z, levels, records, road_model(own, radius=radius))
+        roads = {
+            m.track.wheel: one for m, one in zip(whole.models, alone.roads, strict=True) if m.track.source == number
+        }
+        models.append(model)
+        first.append(model.first(*(roads[wheel] for wheel in behind.wheels)))
     count = sum(model.stretches for model in models)
     if count < FEWEST:
         return Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST}), Level.CARE)
@@ -76,8 +81,9 @@ def followed(
     # What the first step knows to rounding, such as a mount on its bound, stays.
     keep = values > 1e-12 * values[-1]
     spread = vectors[:, keep] * np.sqrt(values[keep])
-    asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=z, spread=spread, lag=behind.lag)
-    fit = fit_axles(asked, start)
+    free = z if found.pull is None else z + found.pull
+    asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=free, spread=spread, lag=behind.lag)
+    fit = fit_axles(asked, alone.x, first)
     return Followed(
         x=fit.state.x,
         covariance=fit.covariance,

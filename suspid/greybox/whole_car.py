@@ -136,7 +136,7 @@ def fit_with_road(
     across = moved @ found.covariance
     if behind is not None and rolling.speeds is not None:
         both = followed(
-            problem, found, z, whole, fit.state.x, trials, rolling.speeds, behind=behind, radius=rolling.radius
+            problem, found, z, whole, fit.state, trials, rolling.speeds, behind=behind, radius=rolling.radius
         )
         if isinstance(both, Followed):
             x[second], own, across, moved = both.x, both.covariance, both.across, both.by_found
