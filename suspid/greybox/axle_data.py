@@ -25,9 +25,9 @@ from suspid.units import ComplexArray, Hertz, Metre, RealArray, Second
 from suspid.values import listed
 from suspid.wording import Argument
 
-LOWEST: Hertz = 0.3  # below it, accelerations say nothing of roads
+LOWEST_SLOPE: Hertz = 0.3  # below it, accelerations say nothing of roads
 ROLL_OFF = 1.15  # highest frequency of the slopes over that of the band: what is cut off must not reach into it
-ENDS: Second = 3.0  # of a record, where its ends show in the slopes
+SHOWN_ENDS: Second = 3.0  # of a record, where its ends show in the slopes
 FADE: Second = 1.0  # over which a record is faded in and out
 FINER = 2  # samples of the slope of the front between two of the record, for splines through them
 STANDING = 0.25  # of the median speed: slower stretches are left out, as their delay is long and uncertain
@@ -137,12 +137,12 @@ def axle_record(
     centred = trial.values - trial.values.mean(axis=1, keepdims=True)
     spectrum, hertz = np.fft.rfft(centred * fade, axis=1), np.fft.rfftfreq(trial.count, step)
     highest = min(ROLL_OFF * band[1], 0.45 / step)  # below half the rate, where filters of loggers act
-    first, last = np.searchsorted(hertz, [LOWEST, highest])
+    first, last = np.searchsorted(hertz, [LOWEST_SLOPE, highest])
     inside = hertz[first:last]
     s = np.asarray(2j * np.pi * inside, complex)
-    shape = np.minimum((inside - LOWEST) / (band[0] - LOWEST), (highest - inside) / (highest - band[1]))
-    edge = np.ones_like(inside) if band[0] <= LOWEST else np.sin(np.pi / 2 * np.clip(shape, 0, 1)) ** 2
-    skip = round(ENDS / step)
+    shape = np.minimum((inside - LOWEST_SLOPE) / (band[0] - LOWEST_SLOPE), (highest - inside) / (highest - band[1]))
+    edge = np.ones_like(inside) if band[0] <= LOWEST_SLOPE else np.sin(np.pi / 2 * np.clip(shape, 0, 1)) ** 2
+    skip = round(SHOWN_ENDS / step)
     starts = range(skip, trial.count - skip - samples + 1, samples)
     return AxleRecord(
         s=s,

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.greybox.axle_model import AxleModel, Expected
+from suspid.greybox.axle_model import AxleModel, Expected, Spectral
 from suspid.greybox.road_maps import RoadMap
 from suspid.greybox.tire_fit import scatter
 from suspid.reconstruction import LARGEST_STEP, Unknowns
@@ -22,7 +22,7 @@ from suspid.units import ComplexArray, Metre, Ratio, RealArray
 
 # Way that is left of tires, masses and the first step, in standard deviations of each: it ends the search. The value
 # stalls before the scores are zero: it is that of a constant delay in each stretch, and they are not its derivatives.
-SETTLED = 0.03
+WAY_LEFT = 0.03
 LAG_STD: Ratio = 0.05  # of the stated distance of the axles, and of the scale of the speed
 
 
@@ -39,7 +39,7 @@ class AxleProblem:
     @property
     def shared(self) -> int:
         """Number of unknowns that all models share."""
-        return self.spread.shape[1] + len(self.unknowns) + 1
+        return int(self.spread.shape[1]) + len(self.unknowns) + 1
 
     def at(self, state: AxleState, model: AxleModel) -> tuple[RealArray, RealArray, RoadMap, float]:
         """Return z, x, the maps of a model, and the lag."""
@@ -85,9 +85,9 @@ class AxleFit:
     lag_std: Metre
 
 
-def fit_axles(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> AxleFit:
-    """Return the best fit from tires and wheel masses ``start`` on, and from each model's own unknowns."""
-    state = _descended(problem, _first(problem, start, own))
+def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
+    """Return the best fit near a start."""
+    state = _descended(problem, first)
     (information, gradient), spread = _known(problem, state), _known(problem, state)[0]
     for number, model in enumerate(problem.models):
         place = _place(problem, number)
@@ -104,16 +104,16 @@ def fit_axles(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) 
     spread[stuck] = spread[:, stuck] = 0.0
     inverse = np.linalg.inv(information)
     whole = inverse @ spread @ inverse
-    first, count = problem.spread.shape[1], len(problem.unknowns)
-    x = slice(first, first + count)
+    size, count = problem.spread.shape[1], len(problem.unknowns)
+    x = slice(size, size + count)
     natural = problem.unknowns.per_step(state.x)
     lag = problem.lag * float(np.exp(state.log_lag))
     return AxleFit(
         state=state,
         covariance=natural[:, None] * whole[x, x] * natural,
-        by_found=natural[:, None] * inverse[x, :first],
+        by_found=natural[:, None] * inverse[x, :size],
         lag=lag,
-        lag_std=lag * float(np.sqrt(whole[first + count, first + count])),
+        lag_std=lag * float(np.sqrt(whole[size + count, size + count])),
     )
 
 
@@ -128,8 +128,11 @@ def _measured(problem: AxleProblem, state: AxleState, model: AxleModel) -> Compl
     return model.measured(z, x, lag)
 
 
-def _first(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> AxleState:
-    """Return where the search begins: at the lag of greatest coherence, and levels of the mean power."""
+def first_state(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> tuple[AxleState, float]:
+    """Return where the search begins, at the lag of greatest coherence, and its median over the lines.
+
+    It begins from tires and wheel masses ``start`` on, and from each model's own unknowns.
+    """
     state = AxleState(
         off=np.zeros(problem.spread.shape[1]),
         x=start,
@@ -139,14 +142,17 @@ def _first(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> 
     )
     # Within three standard deviations of the stated lag, in steps of a few degrees at the highest line.
     tried = np.linspace(-3 * LAG_STD, 3 * LAG_STD, 61)
-    in_phase, levels = np.zeros(len(tried)), []
+    in_phase, levels = [], []
     for model in problem.models:
         power = _measured(problem, state, model)
         late = model.s.imag * (problem.lag * np.exp(-model.road.track.log_speed))[:, None]
-        one = power[..., 0, 1] / np.sqrt(power[..., 0, 0].real * power[..., 1, 1].real)
-        in_phase += [float(np.sum((one * np.exp(-1j * late * np.expm1(t))).real)) for t in tried]
+        scale = np.sqrt(np.mean(power[..., 0, 0].real, axis=0) * np.mean(power[..., 1, 1].real, axis=0))
+        turns = np.exp(-1j * late * np.expm1(tried)[:, None, None])
+        in_phase.append(np.mean((power[..., 0, 1] * turns).real, axis=1) / scale)
         levels.append(np.mean(np.log((power[..., 0, 0] + power[..., 1, 1]).real / 2), axis=1))
-    return replace(state, log_lag=float(tried[np.argmax(in_phase)]), levels=tuple(levels))
+    coherence = np.median(np.concatenate(in_phase, axis=1), axis=1)
+    best = int(np.argmax(coherence))
+    return replace(state, log_lag=float(tried[best]), levels=tuple(levels)), float(coherence[best])
 
 
 def _value(problem: AxleProblem, state: AxleState) -> tuple[float, list[ComplexArray]]:
@@ -197,7 +203,7 @@ def _cells(problem: AxleProblem, state: AxleState, number: int, power: ComplexAr
     columns = model.by_car(here, made, z, x, directions)
     columns.append(model.by_lag(made, lag))
     columns += model.by_own(here, state.own[number], made)
-    root = np.linalg.inv(np.linalg.cholesky(made.whole))
+    root: ComplexArray = np.asarray(np.linalg.inv(np.linalg.cholesky(made.whole)), complex)
     share = _flat(root, made.road)
     slopes, excess = np.stack([_flat(root, one) for one in columns], axis=2), _flat(root, power - made.whole)
     weight = np.sum(share**2, axis=1)
@@ -210,7 +216,7 @@ def _cells(problem: AxleProblem, state: AxleState, number: int, power: ComplexAr
     )
 
 
-def _flat(root: ComplexArray, matrix: ComplexArray) -> RealArray:
+def _flat(root: Spectral, matrix: Spectral) -> RealArray:
     """Return Hermitian matrices, whitened, as four real numbers of equal variance at each line, (stretch, cell)."""
     one = root @ matrix @ root.conj().swapaxes(2, 3)
     across = np.sqrt(2) * one[..., 0, 1]
@@ -237,13 +243,13 @@ def _descended(problem: AxleProblem, state: AxleState) -> AxleState:
             scaled = information + damping * np.diag(np.diag(information))
             trial = _moved(problem, state, every, np.asarray(np.linalg.solve(scaled, gradient)))
             new, seen = _value(problem, trial)
-            if new <= value or left < SETTLED:
+            if new <= value or left < WAY_LEFT:
                 break
             damping *= 10
         else:
             break
         state, value, power, damping = trial, new, seen, damping / 10
-        if left < SETTLED:
+        if left < WAY_LEFT:
             break
     return state
 

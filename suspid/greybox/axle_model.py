@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -29,10 +29,12 @@ from suspid.greybox.road_model import (
 from suspid.simulation import REFERENCE
 from suspid.units import ComplexArray, RealArray
 
-# Logarithm of rho: 1 % of a road's power is the wheels' own, known to nothing; it varies with wave number, about as
-# coherence of tracks some centimetres apart does, whose rho grows with the square.
+Spectral: TypeAlias = RealArray | ComplexArray  # matrices of spectra, whether or not they are real
+# Logarithm of rho at the reference wave number: less than 1 % of a road's power is the wheels' own, known to nothing.
 UNSHARED = (-5.0, 3.0)
-UNSHARED_CHANGE = 1.5
+# Power of wave number with which rho grows: 2 for wheels some centimetres beside each other's track.
+UNSHARED_GROWTH = (2.0, 1.0)
+UNSHARED_CHANGE = 1.0  # standard deviation of the logarithm of rho about that power
 # Power of a wheel order over that of a force of `ORDER_FORCE`, 500 N at most. It is linear here: the logarithm of none
 # has no end.
 LARGEST_ORDER = 2500.0
@@ -66,8 +68,8 @@ class AxleModel:
     def prior(self) -> Prior:
         """What is known before the record is asked."""
         parts, orders = self.road.functions.shape[1], len(self.road.orders)
-        mean = [EXPONENT[0], *[0.0] * parts, 0.0, 0.0, UNSHARED[0], *[0.0] * parts]
-        std = [EXPONENT[1], *[1.0] * parts, NOISE_STD, NOISE_STD, UNSHARED[1], *[1.0] * parts]
+        mean = [EXPONENT[0], *[0.0] * parts, 0.0, 0.0, UNSHARED[0], *[0.0] * parts, UNSHARED_GROWTH[0]]
+        std = [EXPONENT[1], *[1.0] * parts, NOISE_STD, NOISE_STD, UNSHARED[1], *[1.0] * parts, UNSHARED_GROWTH[1]]
         if orders:
             mean += [*[0.0] * (2 * orders), ORDER_GROWTH[0], 0.0]
             std += [*[LARGEST_ORDER] * (2 * orders), ORDER_GROWTH[1], RADIUS_STD]
@@ -108,9 +110,8 @@ class AxleModel:
     def shared(self, own: RealArray) -> RealArray:
         """Return the coherence of the two roads at the lines, (stretch, line)."""
         parts = self.road.functions.shape[1]
-        log_rho = own[3 + parts] + UNSHARED_CHANGE / self._departure * (
-            self.components @ own[4 + parts : 4 + 2 * parts]
-        )
+        departs = UNSHARED_CHANGE / self._departure * (self.components @ own[4 + parts : 4 + 2 * parts])
+        log_rho = own[3 + parts] + own[4 + 2 * parts] * self.log_ratio + departs
         return np.asarray(1 / (1 + np.exp(log_rho)))
 
     @property
@@ -138,11 +139,11 @@ class AxleModel:
             orders=self._orders(here, own, per_metre),
         )
 
-    def by_own(self, here: RoadMap, own: RealArray, made: Expected) -> list[ComplexArray]:
+    def by_own(self, here: RoadMap, own: RealArray, made: Expected) -> list[Spectral]:
         """Return the derivatives of the expected spectral matrix by own unknowns."""
         parts, orders = self.road.functions.shape[1], len(self.road.orders)
         road, components = made.road, self.components
-        columns: list[ComplexArray] = [-self.log_ratio[..., None, None] * road]
+        columns: list[Spectral] = [-self.log_ratio[..., None, None] * road]
         columns += [components[:, :, i, None, None] * road for i in range(parts)]
         uneven = np.exp(own[1 + parts : 3 + parts] / 2)
         for wheel in range(2):
@@ -157,8 +158,9 @@ class AxleModel:
         columns.append(unshared)
         scale = UNSHARED_CHANGE / self._departure
         columns += [scale * components[:, :, i, None, None] * unshared for i in range(parts)]
+        columns.append(self.log_ratio[..., None, None] * unshared)
         if orders:
-            at = 4 + 2 * parts
+            at = len(own) - 2 - 2 * orders
             for i in range(2 * orders):
                 alone = own.copy()
                 alone[at : at + 2 * orders] = 0.0
@@ -177,10 +179,10 @@ class AxleModel:
         z: RealArray,
         x: RealArray,
         directions: Sequence[tuple[RealArray, RealArray]],
-    ) -> list[ComplexArray]:
+    ) -> list[Spectral]:
         """Return the derivatives along directions of (z, x): what a change of the car makes of roads, and of orders."""
         back, weighed = np.linalg.inv(here.roads), here.roads @ self.weigh
-        columns = []
+        columns: list[Spectral] = []
         for dz, dx in directions:
             one, other = (self.maps.maps(self.s, z + h * dz, x + h * dx) for h in (SMALL_STEP, -SMALL_STEP))
             change = one.roads - other.roads - weighed @ (one.outputs - other.outputs)
@@ -202,7 +204,7 @@ class AxleModel:
         made = np.zeros((self.stretches, len(self.s), 2, 2), complex)
         if not self.road.orders:
             return made
-        orders, growth, log_radius = self.road.orders, *own[-2:].tolist()
+        orders, (growth, log_radius) = self.road.orders, own[-2:].tolist()
         amounts = ORDER_FORCE**2 / 2 * own[-2 - 2 * len(orders) : -2].reshape(2, -1)
         gives = np.linalg.inv(here.tires)
         for order, both in zip(orders, amounts.T, strict=True):
@@ -227,7 +229,7 @@ class Expected(NamedTuple):
         return np.asarray(self.road + self.noise + self.orders)
 
 
-def turned(matrix: ComplexArray, late: ComplexArray) -> ComplexArray:
+def turned(matrix: Spectral, late: ComplexArray) -> ComplexArray:
     """Return a matrix by line with the front as late as it is in each stretch, (stretch, line, 2, 2)."""
     return np.asarray(late[..., :, None] * matrix * late.conj()[..., None, :])
 

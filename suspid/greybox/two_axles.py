@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.greybox.axle_data import STANDING, Behind, axle_record
-from suspid.greybox.axle_fit import AxleFit, AxleProblem, fit_axles
+from suspid.greybox.axle_fit import AxleFit, AxleProblem, first_state, fit_axles
 from suspid.greybox.axle_model import AxleModel, axle_model
 from suspid.greybox.fits import Fit
 from suspid.greybox.measured_causes import WheelProblem
@@ -17,14 +17,14 @@ from suspid.greybox.road_model import road_model
 from suspid.greybox.tire_fit import State, TireProblem
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_power import MOMENTS
-from suspid.model import Suspension
 from suspid.units import Metre, RealArray
-from suspid.words import Check, Level, Remark
+from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
 # Stretches of all records, at least: the scatter of fewer says little of the intervals.
-FEWEST = 6
-# Coherence of the two roads at the middle line, above which they count as one track.
+FEWEST_BEHIND = 6
+# Coherence of the two roads, median over the lines, from which on they count as one track: below it, the phase of two
+# roads says less of tires than the spectrum of each.
 ONE_TRACK = 0.5
 
 
@@ -75,34 +75,29 @@ def followed(
         models.append(model)
         first.append(model.first(*(roads[wheel] for wheel in behind.wheels)))
     count = sum(model.stretches for model in models)
-    if count < FEWEST:
-        return Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST}), Level.CARE)
+    if count < FEWEST_BEHIND:
+        return Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST_BEHIND}), Level.CARE)
     values, vectors = np.linalg.eigh(found.covariance)
     # What the first step knows to rounding, such as a mount on its bound, stays.
     keep = values > 1e-12 * values[-1]
     spread = vectors[:, keep] * np.sqrt(values[keep])
     free = z if found.pull is None else z + found.pull
     asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=free, spread=spread, lag=behind.lag)
-    fit = fit_axles(asked, alone.x, first)
+    start, coherence = first_state(asked, alone.x, first)
+    roads = {"rear": whole.unknowns.car.roads[behind.rear], "front": whole.unknowns.car.roads[behind.front]}
+    if coherence < ONE_TRACK:
+        return Check(Remark(EstimateCheck.NOT_BEHIND, {**roads, "coherence": max(0.0, coherence)}), Level.CARE)
+    fit = fit_axles(asked, start)
     return Followed(
         x=fit.state.x,
         covariance=fit.covariance,
         across=fit.by_found @ spread.T,
         by_found=fit.by_found @ np.linalg.pinv(spread),
-        check=_check(models, fit, whole.unknowns.car, behind),
+        check=Check(Remark(EstimateCheck.BEHIND, {**roads, **_found(models, fit)}), Level.NOTE),
     )
 
 
-def _check(models: Sequence[AxleModel], fit: AxleFit, car: Suspension, behind: Behind) -> Check:
-    """Return what is said of the two roads."""
+def _found(models: Sequence[AxleModel], fit: AxleFit) -> dict[str, Number]:
+    """Return what was found of the two roads."""
     coherence = float(np.median([np.median(m.shared(own)) for m, own in zip(models, fit.state.own, strict=True)]))
-    numbers = {
-        "rear": car.roads[behind.rear],
-        "front": car.roads[behind.front],
-        "lag": fit.lag,
-        "std": fit.lag_std,
-        "coherence": coherence,
-    }
-    if coherence < ONE_TRACK:
-        return Check(Remark(EstimateCheck.NOT_BEHIND, numbers), Level.CARE)
-    return Check(Remark(EstimateCheck.BEHIND, numbers), Level.NOTE)
+    return {"lag": fit.lag, "std": fit.lag_std, "coherence": coherence}

@@ -170,13 +170,13 @@ class EstimateCheck(Code):
     BEHIND = (
         "behind",
         "The road under {rear} is that under {front}, {lag:.4g} ± {std:.2g} m later, with a coherence of "
-        "{coherence:.3g} at the middle of the lines. Tires and wheel masses follow from that, and hardly from the "
+        "{coherence:.3g}, the median over the lines. Tires and wheel masses follow from that, and hardly from the "
         "spectrum of the road.",
     )
     NOT_BEHIND = (
         "not behind",
-        "The road under {rear} is hardly that under {front}: the coherence is {coherence:.2g} at the middle of the "
-        "lines. Tires and wheel masses rest on the spectrum of the road. Check which road is behind, and how far.",
+        "The road under {rear} is hardly that under {front}: their coherence is {coherence:.2g}, the median over the "
+        "lines. Tires and wheel masses are those of each axle by itself. Check which road is behind, and how far.",
     )
     FEW_BEHIND = (
         "few behind",
