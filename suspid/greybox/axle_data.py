@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.greybox.measured_causes import WheelProblem
@@ -176,7 +177,7 @@ def best_motion(
 
 
 def cross_power(
-    records: Sequence[RealArray], starts: Sequence[Sequence[int]], samples: int, lines: RealArray
+    records: Sequence[RealArray], starts: Sequence[Sequence[int]], samples: int, lines: NDArray[np.intp]
 ) -> ComplexArray:
     """Return the multitaper estimate of the spectral matrix of two rows in each stretch, (stretch, line, 2, 2)."""
     from scipy.signal.windows import dpss

@@ -88,12 +88,13 @@ class AxleFit:
 def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
     """Return the best fit near a start."""
     state = _descended(problem, first)
-    (information, gradient), spread = _known(problem, state), _known(problem, state)[0]
+    (information, gradient), stated, spread = (_known(problem, state), *(_known(problem, state)[0] for _ in range(2)))
     for number, model in enumerate(problem.models):
         place = _place(problem, number)
         cells = _cells(problem, state, number, _measured(problem, state, model))
         flat = cells.slopes.reshape(-1, len(place))
         information[np.ix_(place, place)] += flat.T @ flat
+        stated[np.ix_(place, place)] += model.taper_loss * flat.T @ flat
         gradient[place] += flat.T @ cells.excess.ravel()
         each = cells.slopes * cells.excess[:, :, None]
         by_line = each.reshape(len(each), -1, 4, len(place)).sum(axis=2)
@@ -101,9 +102,13 @@ def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
     stuck = _stuck(problem, state, gradient)
     stuck = stuck[stuck >= problem.shared]
     hold(information, gradient, stuck)
-    spread[stuck] = spread[:, stuck] = 0.0
+    for one in (stated, spread):
+        one[stuck] = one[:, stuck] = 0.0
     inverse = np.linalg.inv(information)
-    whole = inverse @ spread @ inverse
+    whole, seen = inverse @ stated @ inverse, inverse @ spread @ inverse
+    # The scatter of what is left after so many unknowns is smaller than it was; where it is larger still, it counts.
+    wider = np.sqrt(np.maximum(1.0, np.diag(seen) / np.where(np.diag(whole) > 0, np.diag(whole), 1.0)))
+    whole = wider[:, None] * whole * wider
     size, count = problem.spread.shape[1], len(problem.unknowns)
     x = slice(size, size + count)
     natural = problem.unknowns.per_step(state.x)

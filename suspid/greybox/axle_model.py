@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.greybox.axle_data import AxleRecord, best_motion, cross_power
 from suspid.greybox.noise_levels import Levels
@@ -49,7 +50,7 @@ class AxleModel:
     records: tuple[AxleRecord, ...]
     road: RoadModel  # of its stretches: speeds, orders, components of departures
     s: ComplexArray  # (line,)
-    lines: RealArray  # (line,): numbers
+    lines: NDArray[np.intp]  # (line,): numbers
     weigh: ComplexArray  # (line, cause, output)
     noise: ComplexArray  # (line, cause, cause)
     by_speed: RealArray  # (stretch,): mean of 1 / speed^2
@@ -58,6 +59,12 @@ class AxleModel:
     def stretches(self) -> int:
         """Number of stretches."""
         return len(self.by_speed)
+
+    @property
+    def taper_loss(self) -> float:
+        """Variance of mean powers over that of whole stretches: tapers leave a part of each unused."""
+        weights = self.road.track.weights
+        return float(len(weights) * np.sum(weights**2))
 
     @property
     def count(self) -> int:

@@ -69,11 +69,11 @@ def followed(
         moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * track.samples).astype(int)
         own = replace(track, power=np.zeros((len(cut), len(track.hertz))), speeds=np.array(cut)[:, moments])
         model = axle_model(maps, z, levels, records, road_model(own, radius=radius))
-        roads = {
+        by_wheel = {
             m.track.wheel: one for m, one in zip(whole.models, alone.roads, strict=True) if m.track.source == number
         }
         models.append(model)
-        first.append(model.first(*(roads[wheel] for wheel in behind.wheels)))
+        first.append(model.first(*(by_wheel[wheel] for wheel in behind.wheels)))
     count = sum(model.stretches for model in models)
     if count < FEWEST_BEHIND:
         return Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST_BEHIND}), Level.CARE)
@@ -84,16 +84,19 @@ def followed(
     free = z if found.pull is None else z + found.pull
     asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=free, spread=spread, lag=behind.lag)
     start, coherence = first_state(asked, alone.x, first)
-    roads = {"rear": whole.unknowns.car.roads[behind.rear], "front": whole.unknowns.car.roads[behind.front]}
+    names: dict[str, Number] = {
+        "rear": whole.unknowns.car.roads[behind.rear],
+        "front": whole.unknowns.car.roads[behind.front],
+    }
     if coherence < ONE_TRACK:
-        return Check(Remark(EstimateCheck.NOT_BEHIND, {**roads, "coherence": max(0.0, coherence)}), Level.CARE)
+        return Check(Remark(EstimateCheck.NOT_BEHIND, {**names, "coherence": max(0.0, coherence)}), Level.CARE)
     fit = fit_axles(asked, start)
     return Followed(
         x=fit.state.x,
         covariance=fit.covariance,
         across=fit.by_found @ spread.T,
         by_found=fit.by_found @ np.linalg.pinv(spread),
-        check=Check(Remark(EstimateCheck.BEHIND, {**roads, **_found(models, fit)}), Level.NOTE),
+        check=Check(Remark(EstimateCheck.BEHIND, {**names, **_found(models, fit)}), Level.NOTE),
     )
 
 
