@@ -106,7 +106,7 @@ def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
         one[stuck] = one[:, stuck] = 0.0
     inverse = np.linalg.inv(information)
     whole, seen = inverse @ stated @ inverse, inverse @ spread @ inverse
-    # The scatter of what is left after so many unknowns is smaller than it was; where it is larger still, it counts.
+    # The scatter of what is left after the fit is smaller than before it; where it is larger still, it counts.
     wider = np.sqrt(np.maximum(1.0, np.diag(seen) / np.where(np.diag(whole) > 0, np.diag(whole), 1.0)))
     whole = wider[:, None] * whole * wider
     size, count = problem.spread.shape[1], len(problem.unknowns)

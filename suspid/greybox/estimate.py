@@ -98,7 +98,7 @@ def estimate(
         Which road meets what another has met, and how far behind [m], to some 10 %: ``{"road_rear": ("road_front",
         2.7)}`` for two axles on one track, whose wheels are given. Where both wheels roll over the same road, tires and
         wheel masses are found without a model of its spectrum, several times better. How far the two roads are the same
-        is estimated, by wave number. Needs the speed.
+        is estimated; if they are not, each axle is fitted by itself as without. Needs the speed.
 
     Returns
     -------

@@ -23,9 +23,10 @@ from suspid.words.greybox import EstimateCheck
 
 # Stretches of all records, at least: the scatter of fewer says little of the intervals.
 FEWEST_BEHIND = 6
-# Coherence of the two roads, median over the lines, from which on they count as one track: below it, the phase of two
-# roads says less of tires than the spectrum of each.
-ONE_TRACK = 0.5
+# Coherence of the two roads, median over the lines, from which on they count as one track. With a rear wheel 3 cm beside
+# the front's track, 0.976, 95 % intervals held in 91 to 93 % of 80 drives, and errors were a third of those of one axle.
+ONE_TRACK = 0.99
+NO_TRACK = 0.5  # the same before the fit, with tires as each axle found them: the fit of two roads has no end
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -51,7 +52,7 @@ def followed(
     behind: Behind,
     radius: Metre | None,
 ) -> Followed | Check:
-    """Return what both axles say, from the fits of each ``alone``; a check where the drive is too short."""
+    """Return what both axles say, from the fits of each ``alone``; a check where the drive is too short, or the roads are two."""
     slowest = STANDING * float(np.median(np.concatenate(list(speeds))))
     models, first = [], []
     for number, levels in enumerate(found.levels):
@@ -88,19 +89,22 @@ def followed(
         "rear": whole.unknowns.car.roads[behind.rear],
         "front": whole.unknowns.car.roads[behind.front],
     }
-    if coherence < ONE_TRACK:
-        return Check(Remark(EstimateCheck.NOT_BEHIND, {**names, "coherence": max(0.0, coherence)}), Level.CARE)
+    names |= {"coherence": max(0.0, coherence), "least": ONE_TRACK}
+    if coherence < NO_TRACK:
+        return Check(Remark(EstimateCheck.NOT_BEHIND, names), Level.CARE)
     fit = fit_axles(asked, start)
+    names |= {"coherence": _coherence(models, fit), "lag": fit.lag, "std": fit.lag_std}
+    if _coherence(models, fit) < ONE_TRACK:
+        return Check(Remark(EstimateCheck.NOT_BEHIND, names), Level.CARE)
     return Followed(
         x=fit.state.x,
         covariance=fit.covariance,
         across=fit.by_found @ spread.T,
         by_found=fit.by_found @ np.linalg.pinv(spread),
-        check=Check(Remark(EstimateCheck.BEHIND, {**names, **_found(models, fit)}), Level.NOTE),
+        check=Check(Remark(EstimateCheck.BEHIND, names), Level.NOTE),
     )
 
 
-def _found(models: Sequence[AxleModel], fit: AxleFit) -> dict[str, Number]:
-    """Return what was found of the two roads."""
-    coherence = float(np.median([np.median(m.shared(own)) for m, own in zip(models, fit.state.own, strict=True)]))
-    return {"lag": fit.lag, "std": fit.lag_std, "coherence": coherence}
+def _coherence(models: Sequence[AxleModel], fit: AxleFit) -> float:
+    """Return the median coherence of the two roads."""
+    return float(np.median([np.median(m.shared(own)) for m, own in zip(models, fit.state.own, strict=True)]))
