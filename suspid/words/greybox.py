@@ -175,9 +175,9 @@ class EstimateCheck(Code):
     )
     NOT_BEHIND = (
         "not behind",
-        "The road under {rear} is not closely enough that under {front}: their coherence is {coherence:.3g}, the median "
-        "over the lines, and intervals hold from {least:g} on. Tires and wheel masses are those of each axle by itself. "
-        "If the wheels roll in one track, check which road is behind, and how far.",
+        "The road under {rear} is not closely enough that under {front}: their coherence is {coherence:.3g}, the "
+        "median over the lines; {least:g} is needed. Tires and wheel masses are those of each axle by itself. If "
+        "the wheels roll in one track, check which road is behind, and how far.",
     )
     FEW_BEHIND = (
         "few behind",
