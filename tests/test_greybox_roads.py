@@ -30,7 +30,7 @@ from suspid.cli import main
 from suspid.greybox.judgement import far_or_vague
 from suspid.greybox.reach import Reach, reach
 from suspid.greybox.road_model import RoadModel, road_model
-from suspid.greybox.tire_fit import TireProblem, _scatter, fit_tires
+from suspid.greybox.tire_fit import TireProblem, fit_tires, scatter
 from suspid.greybox.transfers import Physics
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS, Track, _kernel
@@ -196,7 +196,7 @@ def test_the_scatter_of_white_scores_is_their_number() -> None:
     """Their sum over 150 stretches of 200 lines has that variance; pairs of unknowns keep their correlation."""
     mixed = np.array([[2.0, 0.0], [1.0, 0.5]])
     scores = np.random.default_rng(2).standard_normal((150, 200, 2)) @ mixed.T
-    np.testing.assert_allclose(_scatter(scores) / 30_000, mixed @ mixed.T, rtol=0.08)
+    np.testing.assert_allclose(scatter(scores) / 30_000, mixed @ mixed.T, rtol=0.08)
 
 
 def transfer_of(car: Suspension, model: RoadModel) -> Reach:

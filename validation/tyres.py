@@ -22,6 +22,7 @@ from suspid.units import RealArray
 from validation.greybox_peers import ssi_poles
 from validation.greybox_rows import NOISE, QUARTER
 from validation.motion import LEVELS, RADIUS, Drive, driven, record_of
+from validation.two_axles import section
 from validation.tyre_bounds import Asked, tire_bound
 
 if TYPE_CHECKING:
@@ -286,5 +287,6 @@ def report() -> str:
     sections = rows()
     parts = [HEAD]
     parts += [f"## {name}\n\n```\n{table(sections[name])}\n```" for name in list(sections)[:2]]
+    parts.append(section())
     parts += [f"{HARM}\n\n```\n{table(sections['Left out'])}\n```", f"{PEERS}\n\n```\n{peers_table()}\n```"]
     return "\n\n".join(parts) + "\n"

@@ -15,23 +15,24 @@ from suspid.cli.measured import checked_picture, drafted, save_picture, sources_
 from suspid.cli.option_groups import Grouped
 from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
-from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.parameters import BEHIND, ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, led_by, wanting, writing
 from suspid.cli.streams import CAR, FILE, RECORD
 from suspid.files import replacing
 
 
-def road_of(road: str | None, speed: str | None, wheel_radius: float | None) -> dict[str, Any]:
+def road_of(road: str | None, speed: str | None, wheel_radius: float | None, behind: tuple[str, ...]) -> dict[str, Any]:
     """Return the arguments of `estimate` on the road; a speed is a number [m/s] or the name of a channel."""
     known: str | float | None = speed
     with suppress(TypeError, ValueError):
         known = float(speed)  # type: ignore[arg-type]
-    return {"road": road, "speed": known, "wheel_radius": wheel_radius}
+    return {"road": road, "speed": known, "wheel_radius": wheel_radius, "behind": led_by(behind) or None}
 
 
 ROAD = (
     ROAD_MODEL,
     click.option("--speed", metavar="NAME|M/S", help="Channel of speed, or its value, for --road."),
     WHEEL_RADIUS,
+    BEHIND,
 )
 
 

@@ -15,6 +15,7 @@ ARGUMENTS_AS_OPTIONS = {
     "added_masses": "--added",
     "band_hz": "--band",
     "before": "--before",
+    "behind": "--behind",
     "bounds": "--bound",
     "car": "--car",
     "channels": "--channel",

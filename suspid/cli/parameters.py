@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from suspid.cli.named_values import names_in
+from suspid.cli.named_values import names_in, pairs
 from suspid.cli.option_names import in_options
 from suspid.cli.options import Decorator, packed
 from suspid.cli.output import say
@@ -126,6 +126,30 @@ ROAD_MODEL = click.option(
     "--road", type=RoadModel(["iso8608"]), help="Model of the road: tires and whole car too. [none]"
 )
 WHEEL_RADIUS = click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road.")
+
+BEHIND = click.option(
+    "--behind", metavar="ROAD=OTHER:METRES", multiple=True, help="ROAD follows OTHER METRES later. [independent]"
+)
+
+
+def led_by(behind: Sequence[str]) -> dict[str, tuple[str, float]]:
+    """Return which road follows which, and how far behind [m].
+
+    Examples
+    --------
+    >>> led_by(["road_rear=road_front:2.7"])
+    {'road_rear': ('road_front', 2.7)}
+    """
+    found = {}
+    for name, led in pairs(behind, "--behind", str).items():
+        other, _, metres = led.rpartition(":")
+        try:
+            found[name] = other, float(metres)
+        except ValueError:
+            raise click.BadParameter(
+                f"'{name}={led}': write ROAD=OTHER:METRES, such as road_rear=road_front:2.7.", param_hint="'--behind'"
+            ) from None
+    return found
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -8,8 +8,8 @@ gains, delays), `search` and `time_domain`; in the frequency domain `spectra`, `
 and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far
 the result can be trusted, `estimates` holds it; `causes` says what may have moved the car, and `by_cause` tries it in
 turn. `find_drives`, usable stretches of recordings: `channel_words`, `stated_units`, `shaken`, `speeds`, `blocks`.
-With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
-`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
+With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`, `two_axles`
+(`road_maps`, `axle_…`). `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `damper_curves`.
 """
 
 from suspid.greybox.body_mode import BodyMode, BodyModes

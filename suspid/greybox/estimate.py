@@ -37,6 +37,7 @@ def estimate(
     road: Literal["iso8608"] | None = None,
     speed: Speed | Sequence[Speed] | None = None,
     wheel_radius: Metre | None = None,
+    behind: Mapping[str, tuple[str, Metre]] | None = None,
 ) -> Estimate:
     """Estimate stiffness and damping of every strut directly from records, for known topology.
 
@@ -93,6 +94,11 @@ def estimate(
         with several records one for all, or one for each.
     wheel_radius : float, optional
         Rolling radius of the wheels [m], to about 2 %; with the speed it gives the frequencies of unbalanced wheels.
+    behind : mapping of str to (str, float), optional
+        Which road meets what another has met, and how far behind [m], to some 10 %: ``{"road_rear": ("road_front",
+        2.7)}`` for two axles on one track, whose wheels are given. Where both wheels roll over the same road, tires and
+        wheel masses are found without a model of its spectrum, several times better. How far the two roads are the same
+        is estimated; if they are not, each axle is fitted by itself as without. Needs the speed.
 
     Returns
     -------
@@ -149,5 +155,6 @@ def estimate(
         road=road,
         speed=speed,
         wheel_radius=wheel_radius,
+        behind=behind,
     )
     return fitted_car(records, suspension, asked)

@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError
+from suspid.greybox.axle_data import behind_of
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
@@ -52,6 +53,7 @@ class Asked(NamedTuple):
     road: Literal["iso8608"] | None = None
     speed: Speed | Sequence[Speed] | None = None
     wheel_radius: Metre | None = None
+    behind: Mapping[str, tuple[str, Metre]] | None = None
 
 
 def fitted_car(
@@ -70,7 +72,7 @@ def fitted_car(
     """
     _check(suspension)
     trials = trials_of(records, suspension, asked.given)
-    check_road(trials, road=asked.road, rolling=(asked.speed, asked.wheel_radius))
+    check_road(trials, road=asked.road, rolling=(asked.speed, asked.wheel_radius, asked.behind or None))
     driven = [bool(trial.wheels) for trial in trials]
     if any(driven) and not all(driven):
         raise InputError(
@@ -96,7 +98,7 @@ def fitted_car(
         trials = without_speed(trials, rolling)
         fit = fit_with_road(
             unknowns, trials, rolling, beyond=beyond, gains=asked.gains, delays=asked.delays, mounts=asked.mounts,
-            band=asked.band_hz, stretch=asked.stretch,
+            band=asked.band_hz, stretch=asked.stretch, behind=behind_of(asked.behind, suspension, trials, asked.speed),
         )  # fmt: skip
     elif any(driven):
         options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}

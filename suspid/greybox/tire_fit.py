@@ -109,7 +109,7 @@ def fit_tires(problem: TireProblem, rows: Sequence[int], *, start: RealArray | N
         moved = problem.reach(state.x, model, rows, problem.mounts)
         by_suspension = model.expected(own, levels, moved).by_car
         mixed[place] += flat.T @ by_suspension.reshape(len(flat), -1)
-    spread = sum((_scatter(shared) for shared in together.values()), _prior_information(problem, state))
+    spread = sum((scatter(shared) for shared in together.values()), _prior_information(problem, state))
     inverse = np.linalg.inv(information)
     natural = np.append(u.per_step(state.x), np.ones(size - count))
     return TireFit(
@@ -120,7 +120,7 @@ def fit_tires(problem: TireProblem, rows: Sequence[int], *, start: RealArray | N
     )
 
 
-def _scatter(scores: RealArray) -> RealArray:
+def scatter(scores: RealArray) -> RealArray:
     """Return the covariance of the sum of scores (stretch, line, unknown), which neighbouring lines share."""
     around = np.pad(np.cumsum(scores, axis=1), ((0, 0), (OVERLAP, 0), (0, 0)))
     around = np.concatenate([around, np.repeat(around[:, -1:], OVERLAP, axis=1)], axis=1)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.greybox.axle_data import Behind
 from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.measured_causes import WheelProblem
@@ -21,6 +22,7 @@ from suspid.greybox.roads import RoadEstimate, road_estimate
 from suspid.greybox.rolling import Rolling
 from suspid.greybox.tire_fit import TireFit, TireProblem, fit_tires
 from suspid.greybox.trials import Trial
+from suspid.greybox.two_axles import Followed, followed
 from suspid.greybox.wheel_power import tracks_of
 from suspid.greybox.wheel_problem import band_of, wheel_problem
 from suspid.reconstruction import QUANTITIES, Unknowns
@@ -78,6 +80,7 @@ def fit_with_road(
     mounts: Sequence[str] | None,
     band: tuple[Hertz, Hertz] | None,
     stretch: Second | None,
+    behind: Behind | None = None,
 ) -> Fit:
     """Return the best car; ``beyond`` are the struts between given motion and road.
 
@@ -97,7 +100,7 @@ def fit_with_road(
     at = replace(unknowns, nominal=x)
     tires = _with_tire_damping(_part(at, second))
     z = np.concatenate([found.x, found.extra_values / found.extra_scale])
-    own = problem.unknowns
+    rows = problem.unknowns.rows
 
     def posed(x: RealArray) -> TireProblem:
         limits = band_of(tires.suspension(x)) if band is None else band
@@ -116,34 +119,42 @@ def fit_with_road(
 
     # Once more in the band of the car that was found: that of a nominal one may end at the wheel's mode.
     whole = posed(tires.nominal)
-    fit = fit_tires(whole, own.rows)
+    fit = fit_tires(whole, rows)
     if band is None:
         whole = posed(fit.state.x)
-        fit = fit_tires(whole, own.rows, start=fit.state.x)
+        fit = fit_tires(whole, rows, start=fit.state.x)
     x[second] = fit.state.x
     # How the fit moves with the unknowns of the first step.
     carried = fit.by_suspension @ _by_unknown(problem)
     every = fit.covariance + carried @ found.covariance @ carried.T
+    roads, checks = _roads(whole, fit, every), []
     count, size = len(second), len(unknowns) + len(found.extras)
     rest = np.array(second, int)
     place = np.array([*first, *range(len(unknowns), size)], int)
     covariance = np.zeros((size, size))
+    own, moved = every[:count, :count], carried[:count]
+    across = moved @ found.covariance
+    if behind is not None and rolling.speeds is not None:
+        both = followed(
+            problem, found, z, whole, fit.state, trials, rolling.speeds, behind=behind, radius=rolling.radius
+        )
+        if isinstance(both, Followed):
+            x[second], own, across, moved = both.x, both.covariance, both.across, both.by_found
+        checks.append(both.check if isinstance(both, Followed) else both)
     covariance[np.ix_(place, place)] = found.covariance
-    across = carried[:count] @ found.covariance
     covariance[np.ix_(rest, place)] = across
     covariance[np.ix_(place, rest)] = across.T
-    covariance[np.ix_(rest, rest)] = every[:count, :count]
+    covariance[np.ix_(rest, rest)] = own
     pull = np.zeros(size)
     if found.pull is not None:
-        pull[place], pull[rest] = found.pull, carried[:count] @ found.pull
-    roads = _roads(whole, fit, every)
+        pull[place], pull[rest] = found.pull, moved @ found.pull
     return replace(
         found,
         x=x,
         pull=pull,
         covariance=covariance,
         roads=roads,
-        checks=(*found.checks, *_checks(whole, roads, rolling)),
+        checks=(*found.checks, *_checks(whole, roads, rolling), *checks),
     )
 
 

@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
-from suspid.words.remarks import Code
+from collections.abc import Callable, Mapping
+
+from suspid.words.remarks import Code, Number
+
+
+def _over_noise(text: str) -> Callable[[Mapping[str, Number]], str]:
+    """Return words with the power of the residual over that of noise in place of ``{times}``."""
+
+    def said(numbers: Mapping[str, Number]) -> str:
+        chi_square, freedom = (float(str(numbers[name])) for name in ("chi_square", "freedom"))
+        return text.format_map({**numbers, "times": f"{chi_square / max(freedom, 1.0):.3g}"})
+
+    return said
 
 
 class CurveHeadline(Code):
@@ -18,22 +30,27 @@ class CurveCheck(Code):
     EXPLAINS = "explains", "The residual is noise (chi-square {chi_square:.3g} at {freedom})."
     UNEXPLAINED = (
         "unexplained",
-        "The residual is not white noise of the sensors alone (chi-square {chi_square:.3g} at {freedom}). The "
-        "intervals allow for its colour, not for what may be missing: gain or delay of a sensor, a mount of the "
-        "damper, a spring that is not linear, another axle. estimate finds gains, delays and mounts.",
+        _over_noise(
+            "The residual is not white noise of the sensors alone: its power is {times} times that of such noise. The "
+            "intervals allow for its colour, not for what may be missing: gain or delay of a sensor, a mount of the "
+            "damper, a spring that is not linear, another axle. estimate finds gains, delays and mounts."
+        ),
     )
     FOLLOWS = (
         "follows",
-        "The residual follows the motion of the strut (F = {ratio:.3g} on average, 1 by chance; chi-square "
-        "{chi_square:.3g} at {freedom}). The intervals do not contain what may be missing: gain or delay of a sensor, "
-        "a mount of the damper, a spring that is not linear, another axle, slow forces such as wind. estimate finds "
-        "gains, delays and mounts.",
+        _over_noise(
+            "The residual follows the motion of the strut (F = {ratio:.3g} on average, 1 by chance), with {times} "
+            "times the power of white noise. The intervals do not contain what may be missing: gain or delay of a "
+            "sensor, a mount of the damper, a spring that is not linear, another axle, slow forces such as wind. "
+            "estimate finds gains, delays and mounts."
+        ),
     )
     ADDED = (
         "added",
-        "The residual exceeds white noise of the sensors (chi-square {chi_square:.3g} at {freedom}), but does not "
-        "follow the motion of the strut: other forces act on the body, such as those of an engine. The intervals "
-        "allow for them.",
+        _over_noise(
+            "The residual has {times} times the power of white noise of the sensors, but does not follow the motion of "
+            "the strut: other forces act on the body, such as those of an engine. The intervals allow for them."
+        ),
     )
     BENDS = (
         "bends",

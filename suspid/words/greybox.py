@@ -167,6 +167,23 @@ class EstimateCheck(Code):
         _listed("Fixed at nominal, because they have no effect where the motion of {given} is measured: {names}."),
     )
     STILL = "still", _listed("The modes are those with {names} fixed in place.")
+    BEHIND = (
+        "behind",
+        "The road under {rear} is that under {front}, {lag:.4g} ± {std:.2g} m later, with a coherence of "
+        "{coherence:.3g}, the median over the lines. Tires and wheel masses follow from that, and hardly from the "
+        "spectrum of the road.",
+    )
+    NOT_BEHIND = (
+        "not behind",
+        "The road under {rear} is not closely enough that under {front}: their coherence is {coherence:.3g}, the "
+        "median over the lines; {least:g} is needed. Tires and wheel masses are those of each axle by itself. If "
+        "the wheels roll in one track, check which road is behind, and how far.",
+    )
+    FEW_BEHIND = (
+        "few behind",
+        "Only {count} stretches, of which {fewest} are needed, tell whether one road is behind the other: tires and "
+        "wheel masses are those of each axle by itself.",
+    )
     ROAD = (
         "road model",
         _listed(

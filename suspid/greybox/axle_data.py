@@ -1,0 +1,192 @@
+"""Two axles on one track: what their wheels measured, as the slope of the road under each, at one place.
+
+The motion of the wheels gives the road under each of them (`road_maps`). At time t the rear wheel stands where the
+front wheel stood at t', with ``x(t') = x(t) - lag`` and x the distance from the speed. So the front's slope per metre
+is taken at t': whatever the speed does, both are then one road, and noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import InputError
+from suspid.greybox.measured_causes import WheelProblem
+from suspid.greybox.noise_levels import Levels, covariance_of
+from suspid.greybox.road_maps import MapProblem
+from suspid.greybox.transfers import transfer
+from suspid.greybox.trials import Trial
+from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS
+from suspid.model import Suspension
+from suspid.units import ComplexArray, Hertz, Metre, RealArray, Second
+from suspid.values import listed
+from suspid.wording import Argument
+
+LOWEST_SLOPE: Hertz = 0.3  # below it, accelerations say nothing of roads
+ROLL_OFF = 1.15  # highest frequency of the slopes over that of the band: what is cut off must not reach into it
+SHOWN_ENDS: Second = 3.0  # of a record, where its ends show in the slopes
+FADE: Second = 1.0  # over which a record is faded in and out
+FINER = 2  # samples of the slope of the front between two of the record, for splines through them
+STANDING = 0.25  # of the median speed: slower stretches are left out, as their delay is long and uncertain
+
+
+class Behind(NamedTuple):
+    """Which road another meets later."""
+
+    rear: int
+    front: int
+    lag: Metre
+    wheels: tuple[int, int]  # coordinates on the front and the rear one
+
+
+def behind_of(
+    behind: Mapping[str, tuple[str, Metre]] | None, car: Suspension, trials: Sequence[Trial], speed: object
+) -> Behind | None:
+    """Return which road of a car follows the other.
+
+    Raises
+    ------
+    InputError
+        If the names are not the two roads of the car, the distance is not positive, the wheels are not two, or the
+        speed is unknown.
+    """
+    if not behind:
+        return None
+    if speed is None:
+        raise InputError(
+            Argument("behind"), " needs the speed, from which the delay follows; give ", Argument("speed"), " too"
+        )
+    roads = car.roads
+    arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
+    on = np.any(on_roads != 0, axis=1)
+    fits = len(behind) == 1 and len(roads) == 2
+    for rear, led in behind.items():
+        front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", np.nan)
+        fits = fits and {rear, front} == set(roads) and isinstance(lag, int | float) and 0 < lag < np.inf
+        if not fits:
+            raise InputError(
+                Argument("behind", repr(dict(behind))),
+                f" must name the two roads of the car and their distance [m], such as {{'rear': ('front', 2.7)}}; "
+                f"the car's roads are {listed(roads)}",
+            )
+        wheels = [c for i, c in enumerate(car.coordinates) if np.any(arms[on, i])]
+        if len(wheels) != 2 or any(len(trial.wheels) != 2 for trial in trials):
+            raise InputError(
+                Argument("behind"),
+                f": two wheels must stand on the two roads, and both be given; here {listed(wheels)}",
+            )
+        place = [
+            int(np.flatnonzero(np.any(arms[on_roads[:, roads.index(r)] != 0] != 0, axis=0))[0]) for r in (front, rear)
+        ]
+        return Behind(rear=roads.index(rear), front=roads.index(front), lag=float(lag), wheels=(place[0], place[1]))
+    return None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class AxleRecord:
+    """The spectrum of a whole record, and where its stretches lie."""
+
+    s: ComplexArray  # (line,): of the whole record
+    causes: ComplexArray  # (line, cause)
+    outputs: ComplexArray  # (line, output)
+    weigh: ComplexArray  # (line, cause, output): of the residual of outputs, in the best estimate of causes
+    edge: RealArray  # (line,): fades the slopes out at the ends of the band
+    first: int  # line of the first
+    count: int  # samples
+    step: Second
+    speed: RealArray  # (sample,)
+    distance: RealArray  # (sample,)
+    starts: tuple[int, ...]  # first sample of each stretch
+
+    def slopes(self, maps: MapProblem, z: RealArray, x: RealArray, lag: Metre) -> RealArray:
+        """Return the slopes of the road under both wheels at the place of the rear one, (2, sample)."""
+        from scipy.interpolate import CubicSpline
+
+        made = maps.maps(self.s, z, x)
+        residual = self.outputs - np.einsum("lab,lb->la", made.outputs, self.causes)
+        motion = self.causes + np.einsum("lab,lb->la", self.weigh, residual)
+        rates = np.einsum("lab,lb->la", made.roads, motion) * (self.s * self.edge)[:, None]
+        whole = np.zeros((2, FINER * self.count // 2 + 1), complex)
+        whole[:, self.first : self.first + len(self.s)] = FINER * rates.T
+        front, rear = np.fft.irfft(whole, FINER * self.count, axis=1)
+        times = self.step * np.arange(self.count)
+        before = np.interp(self.distance - lag, self.distance, times)
+        there = CubicSpline(self.step / FINER * np.arange(len(front)), front)(before)
+        return np.stack([there / np.interp(before, times, self.speed), rear[::FINER] / self.speed])
+
+
+def axle_record(
+    problem: WheelProblem,
+    z: RealArray,
+    number: int,
+    levels: Levels,
+    trial: Trial,
+    *,
+    speed: RealArray,
+    band: tuple[Hertz, Hertz],
+    slowest: float,
+) -> AxleRecord:
+    """Return the spectrum of one record, at the unknowns z of the suspension."""
+    from scipy.signal.windows import tukey
+
+    samples, step, layout = problem.sources[number].spectra.samples, trial.step, problem.sources[number].layout
+    fade = tukey(trial.count, min(1.0, 2 * FADE / (trial.count * step)))
+    centred = trial.values - trial.values.mean(axis=1, keepdims=True)
+    spectrum, hertz = np.fft.rfft(centred * fade, axis=1), np.fft.rfftfreq(trial.count, step)
+    highest = min(ROLL_OFF * band[1], 0.45 / step)  # below half the rate, where filters of loggers act
+    first, last = np.searchsorted(hertz, [LOWEST_SLOPE, highest])
+    inside = hertz[first:last]
+    s = np.asarray(2j * np.pi * inside, complex)
+    shape = np.minimum((inside - LOWEST_SLOPE) / (band[0] - LOWEST_SLOPE), (highest - inside) / (highest - band[1]))
+    edge = np.ones_like(inside) if band[0] <= LOWEST_SLOPE else np.sin(np.pi / 2 * np.clip(shape, 0, 1)) ** 2
+    skip = round(SHOWN_ENDS / step)
+    starts = range(skip, trial.count - skip - samples + 1, samples)
+    return AxleRecord(
+        s=s,
+        causes=spectrum[list(layout.causes), first:last].T,
+        outputs=spectrum[list(layout.outputs), first:last].T,
+        weigh=best_motion(problem, z, number, levels, s)[0],
+        edge=edge,
+        first=int(first),
+        count=trial.count,
+        step=step,
+        speed=speed,
+        distance=np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)]) * step,
+        starts=tuple(i for i in starts if np.min(speed[i : i + samples]) > slowest),
+    )
+
+
+def best_motion(
+    problem: WheelProblem, z: RealArray, number: int, levels: Levels, s: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the weights of the residual in the best estimate of the causes, and the covariance of its noise."""
+    source = problem.sources[number]
+    made = transfer(
+        source.layout, s, problem.physics(z, number), problem.unknowns.rows,
+        mounts=problem.extras.mounts, gains=source.gains, delays=source.delays,
+    )  # fmt: skip
+    seen, causes = levels.spectra(source.basis)
+    at = np.log(s.imag / (2 * np.pi))
+    outputs = np.exp([np.interp(at, np.log(source.spectra.hertz), row) for row in np.log(seen).T]).T
+    weigh = made.T.conj().swapaxes(1, 2) * causes[:, None] @ np.linalg.inv(covariance_of(made.T, outputs, causes))
+    return weigh, np.diag(causes) - weigh @ made.T * causes
+
+
+def cross_power(
+    records: Sequence[RealArray], starts: Sequence[Sequence[int]], samples: int, lines: NDArray[np.intp]
+) -> ComplexArray:
+    """Return the multitaper estimate of the spectral matrix of two rows in each stretch, (stretch, line, 2, 2)."""
+    from scipy.signal.windows import dpss
+
+    cut = np.concatenate(
+        [np.stack([rows[:, i : i + samples] for i in own]) for rows, own in zip(records, starts, strict=True) if own]
+    )
+    made = np.zeros((len(cut), len(lines), 2, 2), complex)
+    for taper in dpss(samples, TAPER_BANDWIDTH, TAPERS):
+        shown = np.fft.rfft(cut * taper, axis=2)[:, :, lines].swapaxes(1, 2)
+        made += shown[..., :, None] * shown[..., None, :].conj() / TAPERS
+    return made
