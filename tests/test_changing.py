@@ -48,6 +48,7 @@ def test_a_tone_beside_a_small_decay_stays_a_tone() -> None:
     assert not len(identify(record, band_hz=(0.1, 19.0)).modes)
 
 
+@pytest.mark.slow
 def test_the_value_of_a_mode_is_the_mean_of_its_table() -> None:
     # A swing whose damping falls with its size, beside two linear modes in other directions: forces are found.
     size = 0.6 + 0.4 * np.exp(-TIME / 3)

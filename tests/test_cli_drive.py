@@ -263,6 +263,7 @@ class TestDampers:
 
 
 class TestVertical:
+    @pytest.mark.slow
     def test_a_tilted_sensor_gives_what_an_upright_one_does(self, folder: Path) -> None:
         """The body's acceleration and gravity along an axis that is 30 degrees off z, and other motion across it."""
         times, channels = drive(4, 400.0)

@@ -113,6 +113,7 @@ class TestClosed:
         assert "is empty: pipe a file into it, or name a file" in told.stderr
 
 
+@pytest.mark.slow
 def test_a_backend_of_matplotlib_that_does_not_exist_draws_files(tmp_path: Path) -> None:
     picture = tmp_path / "modes.png"
     command = [sys.executable, "-m", "suspid", "identify", str(RECORD), "--to", "3", "--plot", str(picture)]

@@ -61,15 +61,15 @@ def test_releases_that_share_no_mode_are_no_company(
 @pytest.mark.parametrize(
     ("hertz", "level"),
     [
-        ((5, 5, 5, 5, 5), None),
+        ((5, 5, 5, 5), None),
         ((5, 6.1, 7.5), Level.CARE),
-        ((5, 6.1, 7.5, 9.2, 11.3), Level.DOUBTFUL),
+        ((5, 6.1, 7.5, 9.2), Level.DOUBTFUL),
     ],
 )
 def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level: Level | None) -> None:
     """Each stretch alone is a perfect decay: of one structure, or of another one each time."""
-    time = np.arange(500) / 100
-    decays = [np.exp(-1.5 * time) * np.sin(2 * np.pi * f * time) for f in hertz]
+    time = np.arange(300) / 100
+    decays = [np.exp(-2.5 * time) * np.sin(2 * np.pi * f * time) for f in hertz]
     values = np.concatenate([np.zeros(100), *decays])
     noise = 1e-3 * np.random.default_rng(1).standard_normal(values.size)
     found = analyse((np.arange(values.size) / 100, values + noise))

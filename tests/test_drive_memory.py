@@ -4,6 +4,7 @@ import tracemalloc
 
 import control
 import numpy as np
+import pytest
 from test_greybox_wheels import NOISE, QUARTER, RATE, driven
 
 from suspid import RecordTest, estimate
@@ -34,10 +35,12 @@ def test_it_does_not_grow_with_the_number_of_stretches() -> None:
     assert many < 1.1 * few
 
 
+@pytest.mark.slow
 def test_it_does_not_grow_with_the_number_of_records() -> None:
     assert peak(parts=16) < 1.1 * peak()
 
 
+@pytest.mark.slow
 def test_derivatives_are_made_for_some_rows_at_a_time_however_long_stretches_are() -> None:
     """Stretches of 15 s have some 800 rows: 24 of them at a time, as of short ones, would be all of the record."""
     assert peak(stretch=15.0) < 1.1 * peak(stretch=8.0)

@@ -49,6 +49,7 @@ def test_a_sensor_that_hardly_moves_is_left_out(seed: int, tmp_path: Path) -> No
     assert "channel 'Encoder 2' is left out" in str(note)
 
 
+@pytest.mark.slow
 def test_channels_that_are_named_are_all_used(tmp_path: Path) -> None:
     path = written(tmp_path / "two.csv", swing(), touched(2))
     found = analyse(path, settings=Settings(channels=("Encoder 1", "Encoder 2")))

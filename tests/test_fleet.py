@@ -126,6 +126,7 @@ class TestSameBytes:
         assert (again.records, again.kept) == (COUNT, COUNT)
         assert {path: path.stat().st_mtime_ns for path in run.output.rglob("part-*")} == before
 
+    @pytest.mark.slow
     def test_a_broken_part_is_done_again(self, fleet: Path, run: FleetRun, tmp_path: Path) -> None:
         import shutil
 

@@ -197,6 +197,7 @@ class TestTrends:
 
 
 class TestResumed:
+    @pytest.mark.slow
     def test_what_is_missing_is_done_again(self, fleet: Path, run: FleetRun, tmp_path: Path) -> None:
         # A run that was killed: some parts are there, of one the last table is not, and a draft is left.
         expected = content(run.output)

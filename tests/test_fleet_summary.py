@@ -345,6 +345,7 @@ class TestAWornDamper:
         by_name = fleet_summary(fleet / "out", pattern=r"(?P<vehicle>\w+)/(?P<date>\d{4}-\d{2}-\d{2})")
         assert str(by_name) == str(fleet_summary(fleet / "out", table=fleet / "vehicles.csv"))
 
+    @pytest.mark.slow
     def test_families_are_the_car_s_modes(self, fleet: Path) -> None:
         summary = fleet_summary(fleet / "out")
         truth = eigenmodes(CAR)

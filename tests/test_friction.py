@@ -38,6 +38,7 @@ class TestOneMass:
 
 
 class TestTwoMasses:
+    @pytest.mark.slow
     @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
     def test_the_energy_lost_is_the_work_of_friction_and_dampers(self, seed: int) -> None:
         rig = release(2, 12, seed=seed).rig

@@ -33,6 +33,7 @@ class TestTwoMasses:
         (used,) = found.used
         assert record.start <= used.start < record.start + period
 
+    @pytest.mark.slow
     def test_no_motion_is_computed_beyond_the_nyquist_frequency(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -51,6 +52,7 @@ class TestTwoMasses:
         assert turns
         assert max(turns) < 2 * np.pi
 
+    @pytest.mark.slow
     def test_a_late_start_leaves_no_stretch_to_try(self, tmp_path: Path) -> None:
         # Masses that friction stops within a cycle: later starts that are tried end with the decay.
         record = rigs.release("friction", 2, seed=3000015)

@@ -61,7 +61,8 @@ class TestReleases:
         assert releases(as_signal(as_response(time, values, ["y", "z"])), np.zeros(2))[0] == []
 
 
-@pytest.mark.parametrize("seed", [2, *(pytest.param(more, marks=pytest.mark.slow) for more in (5, 9))])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 5, 9])
 def test_the_first_command_finds_the_body(seed: int, tmp_path: Path) -> None:
     record = pushed.pushed(seed)
     pushed.write(record, tmp_path / "pushed.csv")

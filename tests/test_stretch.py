@@ -55,6 +55,7 @@ def decay_of(seed: int, *, rest: int) -> control.TimeResponseData:
     return as_response(np.arange(2000) / 500, values, ["tire", "chassis", "seat"])
 
 
+@pytest.mark.slow
 def test_a_decay_whose_first_swings_are_clipped_begins_after_them() -> None:
     time = np.arange(4000) / 1000
     swing = np.where(time < 1, 0.0, np.exp(-2.0 * (time - 1)) * np.sin(40 * (time - 1)))
