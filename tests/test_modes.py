@@ -148,7 +148,7 @@ class TestQuadraticEigenproblem:
         kinds = eigenmodes(heavy_car(8.0)).kinds
         assert kinds == tuple("pair" if root.imag else "real" for root in expected)
         assert "real" in kinds
-        assert "overdamped: one real pole" in str(eigenmodes(heavy_car(8.0)))
+        assert "one real pole" in str(eigenmodes(heavy_car(8.0)))
 
     def test_heavy_means_heavy(self) -> None:
         zeta = eigenmodes(heavy_car()).zeta
@@ -230,7 +230,7 @@ class TestRigidBodies:
         np.testing.assert_allclose(modes.wn[2], wn, rtol=1e-12, atol=0)
         assert modes.shapes is not None
         np.testing.assert_allclose(modes.shapes[:, :2], np.ones((2, 2)), rtol=0, atol=1e-6)
-        assert str(modes).count("rigid body: pole at zero") == 2
+        assert str(modes).count("pole at zero") == 2
 
     def test_a_damper_to_the_road_leaves_one(self) -> None:
         modes = eigenmodes(oscillator(mass=2.0, stiffness=0.0, damping=6.0))
@@ -413,7 +413,7 @@ class TestCovariance:
     def test_a_rigid_pole_divides_by_nothing(self) -> None:
         modes = ModalSet(poles=np.array([0j]), covariance=np.eye(2))
         np.testing.assert_array_equal(modes.wn_std, [0.0])
-        assert "rigid body" in str(modes)
+        assert "pole at zero" in str(modes)
 
 
 REFUSED: dict[str, tuple[Callable[[], object], str]] = {

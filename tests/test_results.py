@@ -108,7 +108,7 @@ def results() -> dict[str, Any]:
     t = np.arange(0, 30, 0.01)
     heights = road_profile(20.0 * t, roughness="B", rng=np.random.default_rng(1))
     shown = ["seat_acceleration", "chassis_acceleration", "tire_acceleration"]
-    driven = simulate(cars.HATCHBACK, t, {"road": heights}, outputs=shown, interpolation="linear")
+    driven = simulate(cars.HATCHBACK, t, {"road": heights}, outputs=shown)
     driven = add_noise(driven, snr_db=40.0, rng=np.random.default_rng(2))
     recording = Recording(
         title="drive",

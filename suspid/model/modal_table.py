@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.text_tables import rounded, spread, text_table
+from suspid.text_tables import TERMINAL, rounded, spread, text_table
 
 if TYPE_CHECKING:
     from suspid.model.modes import ModalSet
@@ -25,6 +25,6 @@ def modal_table(modes: ModalSet) -> str:
     if modes.zeta_std is not None:
         columns[" ±"] = [spread(s) for s in modes.zeta_std]
     if set(modes.kinds) - {"pair"}:
-        names = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
+        names = {"pair": "", "real": "one real pole", "rigid": "pole at zero"}
         columns["kind"] = [names[kind] for kind in modes.kinds]
-    return text_table(columns)
+    return text_table(columns, widest=TERMINAL)
