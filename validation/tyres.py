@@ -52,9 +52,9 @@ G_d(0.1 cycle/m), where the road is straight. Time is processor time of `estimat
 'bound' is the Cramér-Rao bound (`validation/tyre_bounds.py`) with all that is unknown: spring, damper, gain, delay and
 mount, the level of every stretch, the exponent, the tire's damping, and a smooth departure of 30 % from the power law.
 The errors of kt and of the wheel's mass are alike, and their ratio is known much better. kt alone to 2 % is out of
-reach in five minutes: even on a road that is exactly a power law, with a tire whose damping is known, the bound is
-2.5 %. kt/mu to 2 % is at the bound, and so is kt where the wheel's mass is known: weigh it. The bound is that of the
-mean over all roads that depart so from a power law; on a straight one errors can be smaller.
+reach for one axle in five minutes: even on a road that is exactly a power law, with a tire whose damping is known, the
+bound is 2.5 %. kt/mu to 2 % is at the bound, and so is kt where the wheel's mass is known: weigh it. The bound is that
+of the mean over all roads that depart so from a power law; on a straight one errors can be smaller.
 `SUSPID_SEEDS=50 python -m validation tyres` writes this page."""
 HARM = """## What is left out
 
