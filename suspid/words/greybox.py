@@ -59,6 +59,13 @@ def _unexplained(numbers: Numbers) -> str:
                 f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known: the car colours the "
                 f"noise of {'its sensor' if one else 'their sensors'}, and the intervals do not allow for it in full."
             )
+    if "inputs" in numbers:
+        # Delays cannot be estimated under known causes.
+        return (
+            f"{said} Estimate what may be missing as well: mounts of dampers and gains of channels "
+            f"({Argument('mounts', '…')}, {Argument('gains', '…')}); shift channels that are "
+            f"late, or give the motion of the wheels instead; or describe another mass."
+        )
     return (
         f"{said} Estimate what may be missing as "
         f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
@@ -235,8 +242,9 @@ class EstimateCheck(Code):
         "miscalibrated",
         sentence(
             lambda n: (
-                f"Gains more than a tenth from 1: {', '.join(n['names'])}. A damper that changed between records looks "
-                f"like a sensor of another gain. Estimate each record alone, and calibrate the sensors, or hold their "
+                f"Gains more than a tenth from 1: {', '.join(n['names'])}. Exchanged channels of two wheels, and a "
+                f"damper that changed between records, look like sensors of another gain. Check the names of the "
+                f"channels, estimate each of several records alone, and calibrate the sensors, or hold their "
                 f"gains at 1 ({Argument('gains', '()')})."
             )
         ),
