@@ -137,7 +137,7 @@ def fitted_car(
             else []
         ),
         *([Check(Remark(EstimateCheck.UNUSED, {"names": unused}), Level.NOTE)] if unused else []),
-        *([Check(Remark(EstimateCheck.DRIVEN), Level.DOUBTFUL)] if _driven(fit, trials) else []),
+        *_driven(fit, trials),
     ]
     headline = Remark(EstimateHeadline.FOUND, {"parameters": len(u.names), "records": len(trials)})
     return Estimate(
@@ -201,10 +201,14 @@ def _of_decays(later: tuple[Trial, ...], unknowns: Unknowns) -> Fit | None:
     return replace(found, checks=(*found.checks, Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)))
 
 
-def _driven(fit: Fit, trials: Sequence[Trial]) -> bool:
-    """Return whether records that count as free decays are not explained and do not die down."""
+def _driven(fit: Fit, trials: Sequence[Trial]) -> list[Check]:
+    """Return what is said of records that count as free decays, are not explained and do not die down."""
     free = all(not trial.wheels and not len(trial.inputs) for trial in trials)
-    return free and not fit.explains and not any(dies_down(trial.values) for trial in trials)
+    if not free or fit.explains or any(dies_down(trial.values) for trial in trials):
+        return []
+    each = [channel for trial in trials for channel in trial.channels]
+    loggers = len(trials) > 1 and len({*each}) == len(each)
+    return [Check(Remark(EstimateCheck.DRIVEN, {"loggers": loggers}), Level.DOUBTFUL)]
 
 
 def _check(suspension: object) -> None:

@@ -90,6 +90,18 @@ def _not_one_car(numbers: Numbers) -> str:
     )
 
 
+def _driven(numbers: Numbers) -> str:
+    loggers = (
+        " No channel is in two of the records: if they are of one test by several loggers, put them into one file, "
+        "each with its column of time."
+    )
+    return (
+        f"The motion does not decay, so this is not a free decay, and the values above are meaningless. State what "
+        f"moved the car ({Argument('given', '…')}); in a drive that is the measured motion of the wheels."
+        f"{loggers if numbers.get('loggers') else ''}"
+    )
+
+
 class EstimateCheck(Code):
     """Checks of a suspension that was estimated."""
 
@@ -145,16 +157,7 @@ class EstimateCheck(Code):
         "exchanged",
         _listed("With {names} exchanged the car explains the records: check the names of the channels."),
     )
-    DRIVEN = (
-        "driven",
-        sentence(
-            lambda _: (
-                f"The motion does not decay, so this is not a free decay, and the values above are meaningless. "
-                f"State what moved the car ({Argument('given', '…')}); in a drive that is the measured motion of the "
-                f"wheels."
-            )
-        ),
-    )
+    DRIVEN = "driven", sentence(_driven)
     ONSET = (
         "onset",
         "The records begin before the free decay, at rest or still being pushed: used from {starts} s on, to where the "
