@@ -203,9 +203,9 @@ def test_a_decay_of_the_body_alone_is_found_behind_a_rest_that_determines_nothin
     """From its first sample on, at rest and then let go, the record determines no damper."""
     _, felt = motion(False, start=(0.05, 0.05, 0, 0))
     rest = 600
-    times: RealArray = 0.005 * np.arange(rest + len(TIMES))
+    times: RealArray = np.arange(rest + len(TIMES), dtype=float) * 0.005
     values = np.append(np.zeros(rest), felt[0]) + 0.02 * np.random.default_rng(1).standard_normal(len(times))
-    record = as_response(times, np.asarray(values[None], float), ("chassis_acceleration",))
+    record = as_response(times, values[None], ("chassis_acceleration",))
     nominal = NOMINAL.with_parameters(stiffness={"chassis": 0.75 * K, "tire": 1.2 * KT}, damping={"chassis": 1.3 * C})
     found = estimate(record, nominal, fixed=["tire.damping"])
     onset = next(c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.ONSET)
