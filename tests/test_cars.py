@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from suspid import InputError, ModalSet, Strut, Suspension, full_car, half_car, quarter_car
+from suspid import InputError, ModalSet, Sensor, Strut, Suspension, full_car, half_car, quarter_car
 from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json
-from suspid.model import car_from_toml, car_to_toml, read_car, write_car
+from suspid.model import car_from_toml, car_to_toml, output_rows, read_car, write_car
 
 NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=8).filter(lambda n: "." not in n)
 RATES = st.floats(0, 1e300)
@@ -263,3 +264,17 @@ class TestModesAsJson:
         with pytest.raises(InputError, match=message) as refusal:
             read_modes(path)
         assert str(refusal.value).startswith(f"{path}: ")
+
+
+def test_a_gyroscope_is_named_by_a_rate() -> None:
+    """The rate of a coordinate is its velocity; a sensor of that name in the car file has its own meaning."""
+    car = half_car(
+        chassis_mass=1200, pitch_inertia=1800, front_tire_mass=80, rear_tire_mass=90, cg_to_front=1.2, cg_to_rear=1.5,
+        front_stiffness=40e3, rear_stiffness=44e3, front_tire_stiffness=400e3, rear_tire_stiffness=400e3,
+        front_damping=3e3, rear_damping=3e3,
+    )  # fmt: skip
+    rate, velocity, bounce = (output_rows(car, [name]) for name in ("pitch_rate", "pitch_velocity", "heave_velocity"))
+    assert rate.orders == velocity.orders == 1
+    assert rate.coordinates.tolist() == velocity.coordinates.tolist() != bounce.coordinates.tolist()
+    own = replace(car, sensors=[Sensor(name="pitch_rate", motion="velocity", of="heave")])
+    assert output_rows(own, ["pitch_rate"]).coordinates.tolist() == bounce.coordinates.tolist()

@@ -197,3 +197,19 @@ def test_a_decay_within_a_record_that_swells_is_looked_for_at_last(monkeypatch: 
     assert cause == ("tire",)
     assert found.explains
     assert found.suspension.struts[0].stiffness == pytest.approx(K, rel=1e-3)
+
+
+def test_a_decay_of_the_body_alone_is_found_behind_a_rest_that_determines_nothing() -> None:
+    """From its first sample on, at rest and then let go, the record determines no damper."""
+    _, felt = motion(False, start=(0.05, 0.05, 0, 0))
+    rest = 600
+    times: RealArray = np.arange(rest + len(TIMES), dtype=float) * 0.005
+    values = np.append(np.zeros(rest), felt[0]) + 0.02 * np.random.default_rng(1).standard_normal(len(times))
+    record = as_response(times, values[None], ("chassis_acceleration",))
+    nominal = NOMINAL.with_parameters(stiffness={"chassis": 0.75 * K, "tire": 1.2 * KT}, damping={"chassis": 1.3 * C})
+    found = estimate(record, nominal, fixed=["tire.damping"])
+    onset = next(c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.ONSET)
+    assert float(str(onset.numbers["starts"])) == pytest.approx(rest * 0.005, abs=0.05)
+    for name, true in (("chassis.stiffness", K), ("chassis.damping", C), ("tire.stiffness", KT)):
+        low, high = found.interval(0.9999)[name]
+        assert low < true < high

@@ -286,6 +286,17 @@ class TestReportedAndLeft:
         assert cleaned.record.y.tobytes() == np.clip(decay(T), -0.6, 0.6).tobytes()
         assert not any(finding.repaired for finding in cleaned.findings)
 
+    def test_what_is_clipped_throughout_is_not_cut(self) -> None:
+        """A swing without end has no part that is not clipped; a decay has, behind its first cycles."""
+        steady = np.clip(np.sin(2 * np.pi * 3.0 * T + 0.2), -0.9, 0.9)
+        for values, said, unsaid in (
+            (steady, "larger range", "after"),
+            (np.clip(decay(T), -0.6, 0.6), "use it after", "range"),
+        ):
+            texts = [finding.text for finding in clean(recording(T, values)).findings]
+            assert texts
+            assert all(said in text and unsaid not in text for text in texts)
+
     def test_offset(self) -> None:
         cleaned = clean(recording(T, 9.81 + decay(T)))
         assert kinds(cleaned) == ["offset"]

@@ -36,3 +36,22 @@ def test_noise_of_a_known_force_is_named_where_the_car_does_not_explain_the_reco
     found = estimate(record, car, given=["chassis_force"], fixed=["tire.damping"])
     assert found.explains == (noise == 0)
     assert ("chassis_force counts as exactly known" in str(found.verdict)) == (noise > 0)
+
+
+@pytest.mark.parametrize("loggers", [True, False])
+def test_channels_of_two_loggers_that_are_taken_for_two_tests_are_told(loggers: bool) -> None:
+    """A drive whose body and wheel are in two files; two stretches of one channel are two tests."""
+    car = quarter_car(
+        chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
+    )
+    times, rng = np.arange(0, 20, 0.01), np.random.default_rng(1)
+    road = {"road": 0.01 * np.cumsum(rng.standard_normal(len(times))) * 0.1}
+    names = ["chassis_acceleration", "tire_acceleration"]
+    values = as_signal(simulate(car, times, road, outputs=names)).values
+    values = values + 0.02 * np.std(values, axis=1, keepdims=True) * rng.standard_normal(values.shape)
+    half = len(times) // 2
+    apart = [as_response(times, values[:1], names[:1]), as_response(times, values[1:], names[1:])]
+    later = [as_response(times[:half], part, names[:1]) for part in (values[:1, :half], values[:1, half:])]
+    found = estimate(apart if loggers else later, off(car), fixed=["tire.damping"])
+    assert "The motion does not decay" in str(found.verdict)
+    assert ("several loggers" in str(found.verdict)) == loggers

@@ -448,6 +448,15 @@ class TestJudgement:
         assert [one.level for one in said] == [level] * (factor > 1)
         assert all(one.remark.numbers["name"] == "chassis.stiffness" for one in said)
 
+    def test_records_of_one_simulated_car_are_of_one_car_however_exact(self) -> None:
+        """At 160 dB 1e-6 of a spring, as steps of simulations make it, is told and no other car."""
+        other = QUARTER.with_parameters(stiffness={"chassis": 22e3 * (1 + 1e-6)})
+        decays = [free_decay(car, TIMES, initial_state={"v_tire": 1.0}) for car in (QUARTER, other)]
+        records = [add_noise(one, snr_db=160.0, rng=np.random.default_rng(i)) for i, one in enumerate(decays)]
+        found = estimate(records, QUARTER.with_parameters(damping={"chassis": 1100}))
+        assert EstimateCheck.NOT_ONE_CAR not in [one.remark.code for one in found.verdict.checks]
+        assert found.verdict.level is Level.SOUND
+
     def test_a_gain_that_no_calibrated_sensor_has_calls_for_care(self) -> None:
         """1.12 ± 0.003 is one, 1.12 ± 0.03 may be 1.05."""
         names, values = ("a.damping", "a.gain", "b.gain"), np.array([9.0, 1.12, 1.05])

@@ -65,6 +65,7 @@ def clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
                     "longest": run[1],
                     "longest_start": float(times[run[0]]),
                     "last": float(times[at[-1]]),
+                    "throughout": bool(times[-1] - times[at[-1]] < times[at[-1]] - times[at[0]]),
                 }
                 findings.append(found(Defect.CLIPPED, times[at], at.size, numbers, channel=name, repaired=False))
     return findings

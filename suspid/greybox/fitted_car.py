@@ -105,9 +105,7 @@ def fitted_car(
         fit = fit_drives(suspension, trials, unknowns, delays=asked.delays, band=asked.band_hz, options=options)
     else:
         unknowns = further_asked(unknowns, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
-        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
-        if onsets and not fit.explains and not any(len(trial.inputs) for trial in trials):
-            fit, trials = _from_onset(fit, trials, unknowns)
+        fit, trials = _in_time(trials, unknowns, onsets=onsets and not any(len(trial.inputs) for trial in trials))
     u = unknowns
     parameters = (*u.names, *fit.extras)
     turned = np.zeros((len(parameters), len(fit.covariance)))
@@ -139,7 +137,7 @@ def fitted_car(
             else []
         ),
         *([Check(Remark(EstimateCheck.UNUSED, {"names": unused}), Level.NOTE)] if unused else []),
-        *([Check(Remark(EstimateCheck.DRIVEN), Level.DOUBTFUL)] if _driven(fit, trials) else []),
+        *_driven(fit, trials),
     ]
     headline = Remark(EstimateHeadline.FOUND, {"parameters": len(u.names), "records": len(trials)})
     return Estimate(
@@ -169,26 +167,48 @@ def fitted_car(
     )
 
 
-def _from_onset(fit: Fit, trials: tuple[Trial, ...], unknowns: Unknowns) -> tuple[Fit, tuple[Trial, ...]]:
-    """Return the fit of the decays in records that begin before them, if that is nearer to an explanation."""
-    later = from_onset(trials)
-    if later is None:
-        return fit, trials
+def _in_time(trials: tuple[Trial, ...], unknowns: Unknowns, *, onsets: bool) -> tuple[Fit, tuple[Trial, ...]]:
+    """Return the fit of decays or of motion under known causes; with ``onsets``, from where the decays begin.
+
+    That is if it is nearer to an explanation than a fit of the whole records, or if these have none.
+    """
     try:
-        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
+        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
     except EstimationError:
+        later = from_onset(trials) if onsets else None
+        if later is None:
+            raise
+        found = _of_decays(later, unknowns)
+        if found is None:
+            raise
+        return found, later
+    later = from_onset(trials) if onsets and not fit.explains else None
+    found = None if later is None else _of_decays(later, unknowns)
+    if later is None or found is None:
         return fit, trials
     if not found.explains and found.chi_square / max(found.freedom, 1) > fit.chi_square / max(fit.freedom, 1):
         return fit, trials
+    return found, later
+
+
+def _of_decays(later: tuple[Trial, ...], unknowns: Unknowns) -> Fit | None:
+    """Return the fit of decays that were cut out of records; None where they do not determine the car."""
+    try:
+        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
+    except EstimationError:
+        return None
     numbers: dict[str, Number] = {"starts": ", ".join(f"{trial.start:.6g}" for trial in later)}
-    note = Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)
-    return replace(found, checks=(*found.checks, note)), later
+    return replace(found, checks=(*found.checks, Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)))
 
 
-def _driven(fit: Fit, trials: Sequence[Trial]) -> bool:
-    """Return whether records that count as free decays are not explained and do not die down."""
+def _driven(fit: Fit, trials: Sequence[Trial]) -> list[Check]:
+    """Return what is said of records that count as free decays, are not explained and do not die down."""
     free = all(not trial.wheels and not len(trial.inputs) for trial in trials)
-    return free and not fit.explains and not any(dies_down(trial.values) for trial in trials)
+    if not free or fit.explains or any(dies_down(trial.values) for trial in trials):
+        return []
+    each = [channel for trial in trials for channel in trial.channels]
+    loggers = len(trials) > 1 and len({*each}) == len(each)
+    return [Check(Remark(EstimateCheck.DRIVEN, {"loggers": loggers}), Level.DOUBTFUL)]
 
 
 def _check(suspension: object) -> None:

@@ -23,6 +23,9 @@ from suspid.words.greybox import EstimateCheck
 MOST_GOES = 0.5
 # Relative difference from a joint value beyond which it is that of none of the cars: more than load and temperature do.
 MOST_APART = 0.1
+# Relative difference below which a value is that of one car: steps of simulations and rounding of samples move it by
+# 1e-8 to 1e-5, the load and temperature of a car that stays the same by 1e-3.
+LEAST_OTHER_CAR = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -54,11 +57,14 @@ def not_one_car_in_time(
     own, (_, slope) = found[worst].x, problem.compressed(errors[worst], noise[worst])
     # Of the unknowns that differ the one that moves the record most.
     moved = int(np.argmax(np.abs(own - x) * np.linalg.norm(slope, axis=0)))
+    change = _change(own[moved], x[moved])
+    if change is not None and abs(change) < LEAST_OTHER_CAR:
+        return ()
     numbers: dict[str, Number] = {
         "record": worst + 1,
         "share": found[worst].goes,
         "name": problem.unknowns.labels[moved],
-        "change": _change(own[moved], x[moved]),
+        "change": change,
         "chi_square": chi_square,
         "freedom": freedom,
         "each": each,

@@ -15,6 +15,8 @@ from suspid.units import RealArray
 from suspid.values import nearest_names
 
 FORCE = "_force"
+# Gyroscopes are called by the rate of an angle, as in pitch_rate.
+COORDINATE_DERIVATIVES = {**DERIVATIVES, "rate": 1}
 
 
 class OutputRows(NamedTuple):
@@ -28,8 +30,8 @@ class OutputRows(NamedTuple):
 def output_rows(suspension: Suspension, channels: Sequence[str]) -> OutputRows:
     """Return what channels measure, by their names.
 
-    A name is that of a sensor of the suspension, or a coordinate (displacement), ``<coordinate>_velocity``,
-    ``<coordinate>_acceleration``, ``<strut>_travel``, a road, ``<road>_rate`` or ``<road>_acceleration``.
+    A name is that of a sensor of the suspension, or a coordinate (displacement), ``<coordinate>_velocity`` or
+    ``_rate``, ``<coordinate>_acceleration``, ``<strut>_travel``, a road, ``<road>_rate`` or ``<road>_acceleration``.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def output_weights(suspension: Suspension, output: str) -> tuple[int, RealArray,
     if output in names:
         return 0, *_weights(suspension, {output: 1.0})
     stem, _, suffix = output.rpartition("_")
-    kinds = ROAD_DERIVATIVES if stem in suspension.roads else DERIVATIVES
+    kinds = ROAD_DERIVATIVES if stem in suspension.roads else COORDINATE_DERIVATIVES
     if suffix in kinds and stem in names:
         return kinds[suffix], *_weights(suspension, {stem: 1.0})
     if suffix == "travel" and stem in struts:

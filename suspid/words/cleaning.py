@@ -129,9 +129,11 @@ def _missing(numbers: Numbers) -> str:
 def _clipped(numbers: Numbers) -> str:
     limit = "largest" if numbers["largest"] else "smallest"
     since, last = (moment(_number(numbers, name)) for name in ("longest_start", "last"))
+    # Where it is clipped again and again, little is left behind the last of these samples.
+    way_out = "record it again with a larger range" if numbers.get("throughout") else f"use it after {last} s only"
     return (
         f"{_count(numbers, 'sample')} at the {limit} value {numbers['value']:.6g}, {numbers['longest']} of them in a "
-        f"row from {since} s: clipped; cut the record after {last} s or leave the channel out"
+        f"row from {since} s: clipped; {way_out}, or leave the channel out"
     )
 
 

@@ -59,6 +59,13 @@ def _unexplained(numbers: Numbers) -> str:
                 f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known: the car colours the "
                 f"noise of {'its sensor' if one else 'their sensors'}, and the intervals do not allow for it in full."
             )
+    if "inputs" in numbers:
+        # Delays cannot be estimated under known causes.
+        return (
+            f"{said} Estimate what may be missing as well: mounts of dampers and gains of channels "
+            f"({Argument('mounts', '…')}, {Argument('gains', '…')}); shift channels that are "
+            f"late, or give the motion of the wheels instead; or describe another mass."
+        )
     return (
         f"{said} Estimate what may be missing as "
         f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
@@ -80,6 +87,18 @@ def _not_one_car(numbers: Numbers) -> str:
         f"The records are not of one car: fitted alone, record {numbers['record']} has {numbers['name']} "
         f"{moved}{goes} (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}). The intervals do not allow "
         f"for it. Estimate each record alone and compare."
+    )
+
+
+def _driven(numbers: Numbers) -> str:
+    loggers = (
+        " No channel is in two of the records: if they are of one test by several loggers, put them into one file, "
+        "each with its column of time."
+    )
+    return (
+        f"The motion does not decay, so this is not a free decay, and the values above are meaningless. State what "
+        f"moved the car ({Argument('given', '…')}); in a drive that is the measured motion of the wheels."
+        f"{loggers if numbers.get('loggers') else ''}"
     )
 
 
@@ -138,16 +157,7 @@ class EstimateCheck(Code):
         "exchanged",
         _listed("With {names} exchanged the car explains the records: check the names of the channels."),
     )
-    DRIVEN = (
-        "driven",
-        sentence(
-            lambda _: (
-                f"The motion does not decay, so this is not a free decay, and the values above are meaningless. "
-                f"State what moved the car ({Argument('given', '…')}); in a drive that is the measured motion of the "
-                f"wheels."
-            )
-        ),
-    )
+    DRIVEN = "driven", sentence(_driven)
     ONSET = (
         "onset",
         "The records begin before the free decay, at rest or still being pushed: used from {starts} s on, to where the "
@@ -235,8 +245,9 @@ class EstimateCheck(Code):
         "miscalibrated",
         sentence(
             lambda n: (
-                f"Gains more than a tenth from 1: {', '.join(n['names'])}. A damper that changed between records looks "
-                f"like a sensor of another gain. Estimate each record alone, and calibrate the sensors, or hold their "
+                f"Gains more than a tenth from 1: {', '.join(n['names'])}. Exchanged channels of two wheels, and a "
+                f"damper that changed between records, look like sensors of another gain. Check the names of the "
+                f"channels, estimate each of several records alone, and calibrate the sensors, or hold their "
                 f"gains at 1 ({Argument('gains', '()')})."
             )
         ),
