@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_greybox_wheels import HALF, QUARTER, at_rest, driven, record_of
+from test_greybox_wheels import HALF, QUARTER, at_rest, driven, off, record_of
 
 from suspid import estimate, free_decay, quarter_car
+from suspid.greybox import frequency_domain
 from suspid.greybox.frequency_domain import _sandwich
 from suspid.greybox.leftover import Leftover
 from suspid.greybox.misfit import Misfit
@@ -95,7 +96,9 @@ def test_what_a_car_lacks_widens_deviations_by_what_is_left_in_each_direction() 
     assert Misfit(parts=(part._replace(chi_square=41.0),)).inflation == 1.0
 
 
-def test_what_passes_for_gain_delay_and_mount_of_a_lacking_car_is_in_its_errors() -> None:
+def test_what_passes_for_gain_delay_and_mount_of_a_lacking_car_is_in_its_errors(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     whole = HALF.with_parameters(masses={"pitch": 600 * 1.25 * 1.35 * 0.71})
     motions, times = driven(whole, 5, noise={"heave": 0.02, "front": 0.05})
     above = motions["heave_acceleration"] - 1.25 * motions["pitch_acceleration"]
@@ -106,6 +109,20 @@ def test_what_passes_for_gain_delay_and_mount_of_a_lacking_car_is_in_its_errors(
     record = record_of({"chassis_acceleration": above, "tire_acceleration": motions["front_acceleration"]}, times)
     free = estimate(record, corner, given=("tire",))
     held = estimate(record, corner, given=("tire",), gains=(), delays=(), mounts=())
+    monkeypatch.setattr(frequency_domain, "from_held", lambda _problem, z, _levels: np.zeros_like(z))
+    bare = estimate(record, corner, given=("tire",))
     for name in held.parameters:
         i, j = free.parameters.index(name), held.parameters.index(name)
-        assert free.std[i] / free.values[i] > 0.9 * abs(np.log(free.values[i] / held.values[j]))
+        more = np.sqrt(free.std[i] ** 2 - bare.std[i] ** 2) / free.values[i]
+        # With noise levels of its own the held car lies elsewhere by some tenths of the distance.
+        assert 0.5 < more / abs(np.log(free.values[i] / held.values[j])) < 1.5
+
+
+@pytest.mark.parametrize("seed", [7001, 7008])
+def test_a_mount_that_a_delay_stands_in_for_is_found_behind_the_ridge(seed: int) -> None:
+    # From 30 % off the descent of these ends at a rigid mount and a sensor that is late; chi-square rules that out.
+    motions, times = driven(QUARTER, seed, noise={"chassis": 0.03, "tire": 0.1}, mount=1e6)
+    found = estimate(record_of(motions, times), off(QUARTER), given=("tire",))
+    low, high = found.interval()["chassis.relaxation"]
+    assert low < 1300 / 1e6 < high
+    assert low > 0
