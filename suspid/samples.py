@@ -116,9 +116,10 @@ def as_samples(
     copied: bool = True,
 ) -> Samples:
     """Return samples (channel, sample) and inputs by name as a record; the arrays are copied if others have them."""
+    taken = np.array if copied else np.asarray
     return Samples(
-        time=np.array(timepts, float, copy=copied or None),
-        y=np.array(values, float, copy=copied or None),
+        time=taken(timepts, float),
+        y=taken(values, float),
         output_labels=list(channels),
         inputs=np.array(list(inputs.values()), float) if inputs else None,
         input_labels=list(inputs) if inputs else None,
