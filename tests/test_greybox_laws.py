@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_greybox_wheels import HALF, QUARTER, at_rest, driven, off, record_of
+from test_greybox_wheels import QUARTER, at_rest, corner_of_half, driven, off, record_of
 
 from suspid import estimate, free_decay, quarter_car
 from suspid.greybox import frequency_domain
@@ -99,14 +99,7 @@ def test_what_a_car_lacks_widens_deviations_by_what_is_left_in_each_direction() 
 def test_what_passes_for_gain_delay_and_mount_of_a_lacking_car_is_in_its_errors(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    whole = HALF.with_parameters(masses={"pitch": 600 * 1.25 * 1.35 * 0.71})
-    motions, times = driven(whole, 5, noise={"heave": 0.02, "front": 0.05})
-    above = motions["heave_acceleration"] - 1.25 * motions["pitch_acceleration"]
-    corner = quarter_car(
-        chassis_mass=1 / (1 / 600 + 1.25**2 / whole.masses["pitch"]), tire_mass=40, chassis_stiffness=22e3,
-        tire_stiffness=190e3, chassis_damping=1350,
-    )  # fmt: skip
-    record = record_of({"chassis_acceleration": above, "tire_acceleration": motions["front_acceleration"]}, times)
+    record, corner = corner_of_half(0.71)
     free = estimate(record, corner, given=("tire",))
     held = estimate(record, corner, given=("tire",), gains=(), delays=(), mounts=())
     monkeypatch.setattr(frequency_domain, "from_held", lambda _problem, z, _levels: np.zeros_like(z))

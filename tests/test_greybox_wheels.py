@@ -302,6 +302,18 @@ class TestIntervals:
         assert np.min(ends) > -1.06 * NORMAL_95
 
 
+def corner_of_half(index: float) -> tuple[control.TimeResponseData, Suspension]:
+    """Return motions above and at the front axle of a half car, and a quarter car with the mass it shows there."""
+    whole = HALF.with_parameters(masses={"pitch": 600 * 1.25 * 1.35 * index})
+    motions, times = driven(whole, 5, noise={"heave": 0.02, "front": 0.05})
+    above = motions["heave_acceleration"] - 1.25 * motions["pitch_acceleration"]
+    corner = quarter_car(
+        chassis_mass=1 / (1 / 600 + 1.25**2 / whole.masses["pitch"]), tire_mass=40, chassis_stiffness=22e3,
+        tire_stiffness=190e3, chassis_damping=1350,
+    )  # fmt: skip
+    return record_of({"chassis_acceleration": above, "tire_acceleration": motions["front_acceleration"]}, times), corner
+
+
 class TestDriving:
     def test_without_noise_the_strut_is_exact(self) -> None:
         motions, times = driven(QUARTER, 1)
@@ -494,15 +506,7 @@ class TestDriving:
         "index", [0.71, *(pytest.param(more, marks=pytest.mark.slow) for more in (0.6, 0.87, 0.95, 1.2))]
     )
     def test_a_quarter_car_on_a_corner_of_a_half_car_is_told(self, index: float) -> None:
-        whole = HALF.with_parameters(masses={"pitch": 600 * 1.25 * 1.35 * index})
-        motions, times = driven(whole, 5, noise={"heave": 0.02, "front": 0.05})
-        # The body above the front axle, and a quarter car with the mass that the half car shows there.
-        above = motions["heave_acceleration"] - 1.25 * motions["pitch_acceleration"]
-        corner = quarter_car(
-            chassis_mass=1 / (1 / 600 + 1.25**2 / whole.masses["pitch"]), tire_mass=40, chassis_stiffness=22e3,
-            tire_stiffness=190e3, chassis_damping=1350,
-        )  # fmt: skip
-        record = record_of({"chassis_acceleration": above, "tire_acceleration": motions["front_acceleration"]}, times)
+        record, corner = corner_of_half(index)
         found = estimate(record, corner, given=("tire",))
         assert not found.explains
         assert found.verdict.level is Level.DOUBTFUL

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.decays import DRIVEN, FEWEST_EARLY, FIT, GRAVE, SAME_MODES, TRIAL_PARTS, Decay, unexplained
+from suspid.decays import DRIVEN, FEWEST_EARLY, FIT, GRAVE, TRIAL_PARTS, Decay, in_common, unexplained
 from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
@@ -145,8 +145,7 @@ def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) 
     """
     apart = (other for other in decays if other.stop <= decay.start or other.start >= decay.stop)
     others = [other for other in apart if other.wn.size]
-    near = [np.any(np.abs(other.wn[:, None] / found.modes.wn - 1) < SAME_MODES) for other in others]
-    unlike = len(near) - int(np.sum(near))
+    unlike = sum(not in_common(other.wn, found.modes.wn) for other in others)
     if not len(found.modes) or unlike < SOME_UNLIKE or 2 * unlike <= len(others):
         return ()
     level = Level.DOUBTFUL if unlike >= MANY_UNLIKE else Level.CARE

@@ -10,7 +10,7 @@ again).
 
 from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
-from suspid.decays.others import SAME_MODES
+from suspid.decays.others import in_common
 from suspid.decays.predictions import releases_before
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
@@ -22,7 +22,6 @@ __all__ = [
     "FIT",
     "GRAVE",
     "LOOK_BLOCKS",
-    "SAME_MODES",
     "TRIAL_PARTS",
     "Decay",
     "Decays",
@@ -30,6 +29,7 @@ __all__ = [
     "by_chance",
     "clearly_driven",
     "find_decays",
+    "in_common",
     "releases_before",
     "unexplained",
 ]

@@ -11,6 +11,7 @@ from suspid.decays.decay import FIT, Decay
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.trials import block_means, block_size
 from suspid.signals import Signal
+from suspid.units import Ratio, RealArray
 from suspid.words import DecayDoubt, Remark
 
 # Decays that have less than this share of the power of the speeds of a recording are a small part of it. A larger share
@@ -44,7 +45,18 @@ def with_doubts_of_others(signal: Signal, decays: Sequence[Decay]) -> list[Decay
 def shares_a_mode(decay: Decay, others: Sequence[Decay]) -> bool:
     """Return whether a mode of a decay is one of another, too."""
     wn = np.concatenate([other.wn for other in others if other is not decay] or [np.zeros(0)])
-    return bool(np.any(np.abs(decay.wn[:, None] / wn - 1) < SAME_MODE))
+    return in_common(decay.wn, wn, within=SAME_MODE)
+
+
+def in_common(one: RealArray, other: RealArray, *, within: Ratio = SAME_MODES) -> bool:
+    """Return whether a natural frequency is one of others too, to within a share of it.
+
+    Examples
+    --------
+    >>> in_common(np.array([10.0, 20.0]), np.array([19.9, 50.0])), in_common(np.array([10.0]), np.array([11.0]))
+    (True, False)
+    """
+    return bool(np.any(np.abs(one[:, None] / other - 1) < within))
 
 
 def same_modes(one: Decay, other: Decay) -> bool:

@@ -88,14 +88,14 @@ class AxleFit:
 def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
     """Return the best fit near a start."""
     state = _descended(problem, first)
-    (information, gradient), stated, spread = (_known(problem, state), *(_known(problem, state)[0] for _ in range(2)))
-    for number, model in enumerate(problem.models):
+    power = [_measured(problem, state, model) for model in problem.models]
+    information, gradient, every = _equation(problem, state, power)
+    stated, _ = _known(problem, state)
+    spread = stated.copy()
+    for number, (model, cells) in enumerate(zip(problem.models, every, strict=True)):
         place = _place(problem, number)
-        cells = _cells(problem, state, number, _measured(problem, state, model))
         flat = cells.slopes.reshape(-1, len(place))
-        information[np.ix_(place, place)] += flat.T @ flat
         stated[np.ix_(place, place)] += model.taper_loss * flat.T @ flat
-        gradient[place] += flat.T @ cells.excess.ravel()
         each = cells.slopes * cells.excess[:, :, None]
         by_line = each.reshape(len(each), -1, 4, len(place)).sum(axis=2)
         spread[np.ix_(place, place)] += scatter(by_line)
@@ -234,13 +234,7 @@ def _descended(problem: AxleProblem, state: AxleState) -> AxleState:
     (value, power), damping = _value(problem, state), 1e-3
     # About 10 steps are needed.
     for _ in range(60):
-        information, gradient = _known(problem, state)
-        every = [_cells(problem, state, i, one) for i, one in enumerate(power)]
-        for number, cells in enumerate(every):
-            place = _place(problem, number)
-            flat = cells.slopes.reshape(-1, len(place))
-            information[np.ix_(place, place)] += flat.T @ flat
-            gradient[place] += flat.T @ cells.excess.ravel()
+        information, gradient, every = _equation(problem, state, power)
         hold(information, gradient, _stuck(problem, state, gradient))
         inverse = np.linalg.inv(information)
         left = np.max(np.abs(inverse @ gradient / np.sqrt(np.diag(inverse)))[: problem.shared])
@@ -257,6 +251,20 @@ def _descended(problem: AxleProblem, state: AxleState) -> AxleState:
         if left < WAY_LEFT:
             break
     return state
+
+
+def _equation(
+    problem: AxleProblem, state: AxleState, power: Sequence[ComplexArray]
+) -> tuple[RealArray, RealArray, list[Cells]]:
+    """Return information and gradient of all that is known and measured, and the derivatives of each model."""
+    information, gradient = _known(problem, state)
+    every = [_cells(problem, state, number, one) for number, one in enumerate(power)]
+    for number, cells in enumerate(every):
+        place = _place(problem, number)
+        flat = cells.slopes.reshape(-1, len(place))
+        information[np.ix_(place, place)] += flat.T @ flat
+        gradient[place] += flat.T @ cells.excess.ravel()
+    return information, gradient, every
 
 
 def _stuck(problem: AxleProblem, state: AxleState, gradient: RealArray) -> NDArray[np.intp]:
