@@ -100,7 +100,7 @@ def classify_road(
         )
     _check_waves(name, n, windowed)
     n, (level, exponent, covariance, excess, scatter) = line_of(n, power, held, spacing)
-    _checkline_through(name, line_through(n, (power / held)[: len(n)])[1], excess)
+    _check_line(name, line_through(n, (power / held)[: len(n)])[1], excess)
     used = (float(1 / n[-1]), float(1 / n[0]))
     return RoadClass(
         roughness=float(np.exp(level)),
@@ -163,7 +163,7 @@ def _check_waves(name: str, n: RealArray, power: RealArray) -> None:
         )
 
 
-def _checkline_through(name: str, exponent: float, excess: tuple[float, int]) -> None:
+def _check_line(name: str, exponent: float, excess: tuple[float, int]) -> None:
     """Refuse a spectrum that is neither a line nor, by most of its lines, as steep as one of a road.
 
     Raises
