@@ -4,8 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from suspid import RecordError, read_recording
+from suspid.io.text.dialects import DIALECTS, shapes
 
 
 class TestNumbers:
@@ -107,3 +110,10 @@ def test_other_files_under_the_name_of_text_are_told(tmp_path: Path, start: byte
 def test_a_name_that_no_file_can_have_is_told() -> None:
     with pytest.raises(RecordError, match="there is no such file"):
         read_recording("x" * 5000)
+
+
+@given(st.text("0123456789.,;+-eE\t |", min_size=1, max_size=24))
+def test_the_shape_of_a_line_has_the_kinds_of_the_line(line: str) -> None:
+    (shape,) = shapes([line])
+    for dialect in DIALECTS:
+        assert dialect.kinds(shape) == dialect.kinds(line)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from suspid.errors import RecordError
 from suspid.io.names import bare_name, is_time
@@ -50,6 +50,8 @@ class Table:
     apart: bool = True
     # Title that the file states; if empty, the name of the file is used.
     title: str = ""
+    # Whether one column takes nearly as long to read as all of them, as in text.
+    read_at_once: bool = False
 
     def check(self, name: str, *, what: str) -> None:
         """Refuse a column that is missing."""
@@ -66,3 +68,33 @@ class Table:
             return short[0]
         self.check(name, what=what)
         return name
+
+
+def held(table: Table) -> Table:
+    """Return a table whose columns are all read with the first of them, if they are nearly free then.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> asked: list[object] = []
+    >>> table = Table(sizes={"t": 2, "seat": 2}, columns=lambda names: asked.append(names) or [np.ones(2)] * len(names))
+    >>> once = held(replace(table, read_at_once=True))
+    >>> for names in (["t"], ["t", "seat"]):
+    ...     _ = once.columns(names)
+    >>> asked
+    [['t', 'seat']]
+    """
+    if not table.read_at_once:
+        return table
+    read = dict[str, RealArray]()
+
+    def columns(wanted: Sequence[str]) -> list[RealArray]:
+        if not read:
+            try:
+                read.update(zip(table.sizes, table.columns(list(table.sizes)), strict=True))
+            except RecordError:
+                # A column that nobody wants may hold what is no number.
+                return table.columns(wanted)
+        return [read[name] for name in wanted]
+
+    return replace(table, columns=columns)

@@ -106,8 +106,10 @@ def too_fine(unit: str, stamps: RealArray) -> Remark | None:
     >>> [too_fine(unit, step * rows) is not None for unit, step in (("ms", 0.008), ("ms", 1.0), ("s", 8e-6))]
     [True, False, False]
     """
+    if not PER_SECOND.get(unit, 0.0) > 1:
+        return None
     known = np.sort(stamps[np.isfinite(stamps)])
-    if known.size < FEW_STAMPS or not PER_SECOND.get(unit, 0.0) > 1:
+    if known.size < FEW_STAMPS:
         return None
     length, step = float(known[-1] - known[0]), float(np.median(np.diff(known)))
     stated = PER_SECOND[unit]

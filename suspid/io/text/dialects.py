@@ -25,6 +25,8 @@ from suspid.io.text.cells import Kind, kind_of
 NUMERIC = re.compile("[+-]?[\\d.,][\\d.,;\t '\u2019\xa0\u2009\u202f+\\-eE]*")
 # Shapes of numbers and delimiters, and what may be a date among them.
 NUMBER_ROW, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
+# The exponent that ends a number with a decimal point; behind a whole number, a comma may be its decimal sign.
+TENS = re.compile(r"(?<=\.)(1*)[eE][+-]?1+(?=[,;\t |]|$)")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 
@@ -91,11 +93,12 @@ def shortened(line: str) -> str:
 def shapes(lines: Sequence[str]) -> Counter[str]:
     """Return how many of the lines look alike: every digit is written as 1, runs of digits as one or at most five.
 
-    The kinds of the cells stay the same, and the thousand rows of a record have some dozen shapes.
+    Exponents are left out, as they say nothing. The kinds of the cells stay the same, and the thousand rows of a record
+    have some dozen shapes.
 
     Examples
     --------
-    >>> shapes(["0.002,-3", "0.123456789,-12", "12:30:05.123456,3"])
+    >>> shapes(["0.002,-3", "1.123456789e-04,-12", "12:30:05.123456,3"])
     Counter({'1.1,-1': 2, '11:11:11.11111,1': 1})
     """
     codes = np.frombuffer("\n".join(lines).encode(), np.uint8)
@@ -108,9 +111,9 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     counted = Counter(np.where(digit, np.uint8(ord("1")), codes)[~beyond].tobytes().decode().split("\n"))
     alike = Counter[str]()
     for shape, often in counted.items():
-        # The length of a number does not matter, except in dates.
+        # The length of a number and its exponent do not matter, except in dates.
         plain_row = NUMBER_ROW.fullmatch(shape) and not DATED.search(shape)
-        alike[re.sub("1+", "1", shape) if plain_row else shape] += often
+        alike[re.sub("1+", "1", TENS.sub(r"\1", shape)) if plain_row else shape] += often
     return alike
 
 

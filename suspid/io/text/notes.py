@@ -73,11 +73,13 @@ def _without_events(text: bytes, within: int) -> tuple[bytes, Mapping[str, Remar
     words = rb"(?:%b[ \t]*(?:[%b][^%b\n]*)?)*" % (mark, LETTERS, mark)
     name = above.rpartition(_mark(above))[2].strip()
     named = re.fullmatch(rb"[%b][^%b\n]*" % (LETTERS, mark), name) is not None and b'"' not in text[:within]
-    known = [line for line in lines[first:-1] if line.strip()]
     # Without a row of words, the names may be one too many for another reason.
     some = rb"(?m)^%b%b[ \t]*[%b]" % (row, mark, LETTERS)
-    if width < 2 or mark == rb"\ " or not named or not all(re.fullmatch(row + words, line) for line in known):
+    noted = re.compile(row + words)
+    filled = (line for line in lines[first:-1] if line.strip())
+    if width < 2 or mark == rb"\ " or not named or not all(noted.fullmatch(line) for line in filled):
         return text, {}
+    known = [line for line in lines[first:-1] if line.strip()]
     start = sum(len(line) + 1 for line in lines[:first])
     plain_rows = sum(re.fullmatch(row, line) is not None for line in known)
     if 2 * plain_rows < len(known) or not re.search(some, text[start:]):

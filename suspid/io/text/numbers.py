@@ -18,13 +18,13 @@ from suspid.units import RealArray
 
 # Bytes of a text from which on pyarrow is imported to read it: its import takes the time that it saves on as many.
 # Pieces of fewer bytes than the second number are read as fast by numpy.
-WORTH_IMPORT, WORTH_ARROW = 1 << 24, 1 << 18
+WORTH_IMPORT, WORTH_ARROW = 1 << 21, 1 << 13
 
 
 def loaded_piece(piece: bytes, count: int, use: Sequence[int], layout: Layout, *, size: int) -> RealArray | None:
     """Return the numbers of some columns of the ``count`` rows of a piece, (column, row); None if a cell is refused.
 
-    pyarrow takes two thirds of the time of numpy, where it is installed; ``size`` is that of the whole text [bytes].
+    pyarrow takes a fifth of the time of numpy, where it is installed; ``size`` is that of the whole text [bytes].
     """
     values = None
     here = size >= WORTH_IMPORT or "pyarrow" in sys.modules

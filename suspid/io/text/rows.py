@@ -32,9 +32,10 @@ COMMENT_MARKS = np.isin(np.arange(256), np.frombuffer(b"#%/", np.uint8))
 class Rows:
     """The rows of a text file below its header."""
 
-    # The lines from the first row on, as UTF-8, each ended by a newline.
-    body: bytes
-    # Number of the first line of the body in the file.
+    # The text as UTF-8, each line ended by a newline, and where its first row begins; a copy would cost memory.
+    text: bytes
+    start: int
+    # Number of the line of the first row in the file.
     first: int
     layout: Layout
     # Numbers of the lines that are not rows.
@@ -44,7 +45,7 @@ class Rows:
     def pieces(self) -> Iterator[tuple[list[int], list[str]]]:
         """Yield the rows piece by piece, with the numbers of their lines."""
         line = self.first
-        for piece in _pieces(self.body):
+        for piece in _pieces(self.text, self.start):
             numbers, rows = self._of(piece, line)
             line += _lines(piece)
             if rows:
@@ -65,7 +66,7 @@ class Rows:
         use = [place[name] for name in wanted]
         values = np.empty((len(use), self.size))
         done, line = 0, self.first
-        for piece in _pieces(self.body) if use else ():
+        for piece in _pieces(self.text, self.start) if use else ():
             count = _lines(piece)
             whole = self._whole(piece, line, count, use)
             for part in _numbers(*self._of(piece, line), use, self.layout) if whole is None else (whole,):
@@ -80,11 +81,11 @@ class Rows:
         # A quote may hold the end of a line.
         if b'"' in piece or any(line <= n < line + count for n in self.skipped):
             return None
-        return loaded_piece(piece, count, use, self.layout, size=len(self.body))
+        return loaded_piece(piece, count, use, self.layout, size=len(self.text))
 
     def top(self) -> dict[str, str]:
         """Return the cells of the first line by the names of their columns."""
-        line = self.body[: self.body.find(b"\n")].decode()
+        line = self.text[self.start : self.text.find(b"\n", self.start)].decode()
         return dict(zip(self.layout.names, self.layout.dialect.cells(line), strict=False))
 
     def cells(self, name: str) -> Iterator[str]:
@@ -93,12 +94,11 @@ class Rows:
         return (dialect.cells(row)[k] for _, rows in self.pieces() for row in rows)
 
 
-def _pieces(body: bytes) -> Iterator[bytes]:
-    """Yield a text in pieces of whole lines."""
-    start = 0
-    while start < len(body):
-        stop = body.find(b"\n", start + PIECE) + 1 or len(body)
-        yield body[start:stop]
+def _pieces(text: bytes, start: int) -> Iterator[bytes]:
+    """Yield a text from ``start`` on in pieces of whole lines."""
+    while start < len(text):
+        stop = text.find(b"\n", start + PIECE) + 1 or len(text)
+        yield text[start:stop]
         start = stop
 
 
@@ -107,15 +107,15 @@ def _lines(piece: bytes) -> int:
     return int(np.count_nonzero(np.frombuffer(piece, np.uint8) == ord("\n")))
 
 
-def find_rows(body: bytes, layout: Layout, *, is_open: bool = False) -> tuple[Rows, dict[str, Remark]]:
-    """Return the rows, and the lines between and below them that are not rows.
+def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False) -> tuple[Rows, dict[str, Remark]]:
+    """Return the rows of a text from ``start`` on, and the lines between and below them that are not rows.
 
     ``is_open`` tells that the text ends within a line; a row there whose last number is cut short is left out.
     """
     blank: list[int] = []
     odd: dict[int, str] = {}
     line = layout.first + 1
-    for piece in _pieces(body):
+    for piece in _pieces(text, start):
         suspects = _suspects(piece, layout)
         lines = piece.decode().split("\n") if suspects else []
         for k in suspects:
@@ -126,10 +126,14 @@ def find_rows(body: bytes, layout: Layout, *, is_open: bool = False) -> tuple[Ro
         line += _lines(piece)
     skipped = frozenset({*blank, *odd})
     last = next(n for n in range(line - 1, -1, -1) if n not in skipped)
-    ending = _ending(body, line, layout, skipped) if is_open and last == line - 1 > layout.first + 1 else None
+    ending = (
+        _ending(text[max(start, len(text) - PIECE // 16) :], line, layout, skipped)
+        if is_open and last == line - 1 > layout.first + 1
+        else None
+    )
     if ending is not None and ending.code is not LeftOut.NO_END:
         skipped |= {last}
-    said = {f"line {n}": _why(text, layout, n, last) for n, text in odd.items()}
+    said = {f"line {n}": _why(row, layout, n, last) for n, row in odd.items()}
     below = [n for n in odd if n > last]
     if len(below) > 20:
         raise RecordError(
@@ -140,12 +144,13 @@ def find_rows(body: bytes, layout: Layout, *, is_open: bool = False) -> tuple[Ro
         said[f"line {inner[0]}"] = Remark(LeftOut.BLANK, {"more": len(inner) - 1})
     said |= {} if ending is None else {f"line {line - 1}": ending}
     first = layout.first + 1
-    return Rows(body=body, first=first, layout=layout, skipped=skipped, size=line - first - len(skipped)), said
+    rows = Rows(text=text, start=start, first=first, layout=layout, skipped=skipped, size=line - first - len(skipped))
+    return rows, said
 
 
-def _ending(body: bytes, line: int, layout: Layout, skipped: frozenset[int]) -> Remark | None:
-    """Return what is to be said of the last row, which has no end; ``line`` is the number behind its own."""
-    lines = body[-PIECE // 16 :].decode(errors="replace").split("\n")[:-1]
+def _ending(below: bytes, line: int, layout: Layout, skipped: frozenset[int]) -> Remark | None:
+    """Return what is to be said of the last of some rows, which has no end; ``line`` is the number behind its own."""
+    lines = below.decode(errors="replace").split("\n")[:-1]
     # The first one may be the end of a longer one.
     above = [text for k, text in enumerate(lines[:-1], start=line - len(lines)) if k not in skipped][1:]
     return cut_number(above, lines[-1], layout)

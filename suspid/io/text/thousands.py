@@ -26,22 +26,30 @@ def refuse_thousands(lines: Sequence[str], names: Sequence[str], dialect: Dialec
     RecordError
         If all numbers of a column are whole ones below 1000, or have the sign before their last three digits.
     """
-    rows = [cells for line in lines if len(cells := dialect.cells(line)) == len(names)]
-    for name, column in zip(names, zip(*rows, strict=True), strict=False):
-        small, marked = set[str](), ""
-        # The names stand in the first rows, gaps between others.
-        for cell in (cell for cell in column if any(map(str.isdecimal, cell))):
-            if BELOW_THOUSAND.fullmatch(cell):
-                small.add(cell)
-            elif MARKED.fullmatch(cell):
-                marked = marked or cell
+    small: dict[int, set[str]] = {k: set() for k in range(len(names))}
+    marked: dict[int, str] = {}
+    for line in lines:
+        # Most columns are settled by the first rows.
+        if not small:
+            return
+        cells = dialect.cells(line)
+        if len(cells) != len(names):
+            continue
+        for k in [*small]:
+            # The names stand in the first rows, gaps between others.
+            if not any(map(str.isdecimal, cells[k])):
+                continue
+            if BELOW_THOUSAND.fullmatch(cells[k]):
+                small[k].add(cells[k])
+            elif MARKED.fullmatch(cells[k]):
+                marked.setdefault(k, cells[k])
             else:
-                break
-        else:
-            small -= {"0", "-0", "+0"}
-            if marked and len(small) >= LEAST_SMALL:
-                raise RecordError(
-                    f"{name!r} contains {shortened(marked)} beside {shortened(min(small))}: the "
-                    f"{'comma' if dialect.comma else 'point'} seems to separate thousands; write numbers without a "
-                    f"mark between the thousands, or decimals with all their digits"
-                )
+                del small[k]
+    for k, seen in small.items():
+        seen -= {"0", "-0", "+0"}
+        if k in marked and len(seen) >= LEAST_SMALL:
+            raise RecordError(
+                f"{names[k]!r} contains {shortened(marked[k])} beside {shortened(min(seen))}: the "
+                f"{'comma' if dialect.comma else 'point'} seems to separate thousands; write numbers without a "
+                f"mark between the thousands, or decimals with all their digits"
+            )
