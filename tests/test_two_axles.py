@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from suspid import Estimate, InputError, Level, estimate, half_car, statespace, write_car, write_record
 from suspid.cli import main
-from suspid.greybox.axle_data import axle_record, cross_power
+from suspid.greybox.axle_data import axle_record, behind_of, cross_power
 from suspid.greybox.axle_model import AxleModel, axle_model
 from suspid.greybox.measured_causes import first_levels
 from suspid.greybox.road_maps import MapProblem
@@ -94,13 +94,14 @@ def model() -> tuple[AxleModel, RealArray, RealArray]:
     relaxations = len(extras.mounts)
     z = np.concatenate([suspension.nominal, np.where(np.arange(len(extras.names)) < relaxations, 0.0, extras.start)])
     levels = first_levels(problem.sources[0])
+    pair = behind_of(BEHIND, HALF, trials, speed)[0]
     maps = MapProblem(problem=problem, number=0, tires=tires, roads=(0, 1))
     own = axle_record(problem, z, 0, levels, trials[0], speed=speed, band=BAND, slowest=5.0)
     track = tracks_of(problem, z, 0, levels, trials, speeds=(speed,), band=BAND)[0]
     moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * track.samples).astype(int)
     speeds = np.array([speed[a : a + track.samples] for a in own.starts])[:, moments]
     shaped = replace(track, power=np.zeros((len(speeds), len(track.hertz))), speeds=speeds)
-    return axle_model(maps, z, levels, [own], road_model(shaped, radius=RADIUS)), z, tires.nominal
+    return axle_model(pair, maps, z, levels, [own], road_model(shaped, radius=RADIUS)), z, tires.nominal
 
 
 class TestMaps:

@@ -45,45 +45,47 @@ class Behind(NamedTuple):
 
 def behind_of(
     behind: Mapping[str, tuple[str, Metre]] | None, car: Suspension, trials: Sequence[Trial], speed: object
-) -> Behind | None:
-    """Return which road of a car follows the other.
+) -> tuple[Behind, ...]:
+    """Return which roads of a car follow which.
 
     Raises
     ------
     InputError
-        If the names are not the two roads of the car, the distance is not positive, the wheels are not two, or the
-        speed is unknown.
+        If the names are not all roads of the car, each once, a distance is not positive, a road does not carry one
+        wheel whose motion is given, or the speed is unknown.
     """
     if not behind:
-        return None
+        return ()
     if speed is None:
         raise InputError(
             Argument("behind"), " needs the speed, from which the delay follows; give ", Argument("speed"), " too"
         )
-    roads = car.roads
-    arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
-    on = np.any(on_roads != 0, axis=1)
-    fits = len(behind) == 1 and len(roads) == 2
+    roads, pairs = list(car.roads), []
     for rear, led in behind.items():
-        front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", np.nan)
-        fits = fits and {rear, front} == set(roads) and isinstance(lag, int | float) and 0 < lag < np.inf
-        if not fits:
-            raise InputError(
-                Argument("behind", repr(dict(behind))),
-                f" must name the two roads of the car and their distance [m], such as {{'rear': ('front', 2.7)}}; "
-                f"the car's roads are {listed(roads)}",
-            )
-        wheels = [c for i, c in enumerate(car.coordinates) if np.any(arms[on, i])]
-        if len(wheels) != 2 or any(len(trial.wheels) != 2 for trial in trials):
-            raise InputError(
-                Argument("behind"),
-                f": two wheels must stand on the two roads, and both be given; here {listed(wheels)}",
-            )
-        place = [
-            int(np.flatnonzero(np.any(arms[on_roads[:, roads.index(r)] != 0] != 0, axis=0))[0]) for r in (front, rear)
-        ]
-        return Behind(rear=roads.index(rear), front=roads.index(front), lag=float(lag), wheels=(place[0], place[1]))
-    return None
+        front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", None)
+        fits = isinstance(lag, int | float) and 0 < lag < np.inf
+        pairs.append((rear, front, float(lag) if fits and lag is not None else np.nan))
+    named = [road for rear, front, _ in pairs for road in (rear, front)]
+    if sorted(map(str, named)) != sorted(roads) or any(np.isnan(lag) for _, _, lag in pairs):
+        raise InputError(
+            Argument("behind", repr(dict(behind))),
+            " must name every road of the car once, each rear one with the front one that it follows and the distance "
+            f"[m], such as {{'rear': ('front', 2.7)}}; the car's roads are {listed(roads)}",
+        )
+    arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
+    on = [np.flatnonzero(np.any(arms[on_roads[:, i] != 0] != 0, axis=0)).tolist() for i in range(len(roads))]
+    wheels = sorted(place for some in on for place in some)
+    if any(len(some) != 1 for some in on) or any(sorted(trial.wheels) != wheels for trial in trials):
+        raise InputError(
+            Argument("behind"),
+            ": one wheel must stand on each road, and its motion be given; here "
+            f"{listed([car.coordinates[i] for i in wheels])} stand on roads",
+        )
+    places = {road: some[0] for road, some in zip(roads, on, strict=True)}
+    return tuple(
+        Behind(rear=roads.index(rear), front=roads.index(front), lag=lag, wheels=(places[front], places[rear]))
+        for rear, front, lag in pairs
+    )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -103,13 +105,13 @@ class AxleRecord:
     starts: tuple[int, ...]  # first sample of each stretch
 
     def slopes(self, maps: MapProblem, z: RealArray, x: RealArray, lag: Metre) -> RealArray:
-        """Return the slopes of the road under both wheels at the place of the rear one, (2, sample)."""
+        """Return the slopes of the first two roads of ``maps`` at the place of the second one, (2, sample)."""
         from scipy.interpolate import CubicSpline
 
         made = maps.maps(self.s, z, x)
         residual = self.outputs - np.einsum("lab,lb->la", made.outputs, self.causes)
         motion = self.causes + np.einsum("lab,lb->la", self.weigh, residual)
-        rates = np.einsum("lab,lb->la", made.roads, motion) * (self.s * self.edge)[:, None]
+        rates = np.einsum("lab,lb->la", made.roads[:, :2], motion) * (self.s * self.edge)[:, None]
         whole = np.zeros((2, FINER * self.count // 2 + 1), complex)
         whole[:, self.first : self.first + len(self.s)] = FINER * rates.T
         front, rear = np.fft.irfft(whole, FINER * self.count, axis=1)

@@ -80,7 +80,7 @@ def fit_with_road(
     mounts: Sequence[str] | None,
     band: tuple[Hertz, Hertz] | None,
     stretch: Second | None,
-    behind: Behind | None = None,
+    behind: Sequence[Behind] = (),
 ) -> Fit:
     """Return the best car; ``beyond`` are the struts between given motion and road.
 
@@ -134,13 +134,13 @@ def fit_with_road(
     covariance = np.zeros((size, size))
     own, moved = every[:count, :count], carried[:count]
     across = moved @ found.covariance
-    if behind is not None and rolling.speeds is not None:
+    if behind and rolling.speeds is not None:
         both = followed(
             problem, found, z, whole, fit.state, trials, rolling.speeds, behind=behind, radius=rolling.radius
         )
         if isinstance(both, Followed):
             x[second], own, across, moved = both.x, both.covariance, both.across, both.by_found
-        checks.append(both.check if isinstance(both, Followed) else both)
+        checks += both.checks if isinstance(both, Followed) else both
     covariance[np.ix_(place, place)] = found.covariance
     covariance[np.ix_(rest, place)] = across
     covariance[np.ix_(place, rest)] = across.T
