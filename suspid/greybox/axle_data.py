@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ FINER = 2  # samples of the slope of the front between two of the record, for sp
 STANDING = 0.25  # of the median speed: slower stretches are left out, as their delay is long and uncertain
 
 
+Led: TypeAlias = Mapping[str, tuple[str, Metre]]  # by road the one that it follows, and how far behind
+
+
 class Behind(NamedTuple):
     """Which road another meets later."""
 
@@ -43,23 +46,17 @@ class Behind(NamedTuple):
     wheels: tuple[int, int]  # coordinates on the front and the rear one
 
 
-def behind_of(
-    behind: Mapping[str, tuple[str, Metre]] | None, car: Suspension, trials: Sequence[Trial], speed: object
-) -> tuple[Behind, ...]:
+def behind_of(behind: Led | None, car: Suspension) -> tuple[Behind, ...]:
     """Return which roads of a car follow which.
 
     Raises
     ------
     InputError
-        If the names are not all roads of the car, each once, a distance is not positive, a road does not carry one
-        wheel whose motion is given, or the speed is unknown.
+        If the names are not all roads of the car, each once, a distance is not positive, or a road does not carry one
+        wheel.
     """
     if not behind:
         return ()
-    if speed is None:
-        raise InputError(
-            Argument("behind"), " needs the speed, from which the delay follows; give ", Argument("speed"), " too"
-        )
     roads, pairs = list(car.roads), []
     for rear, led in behind.items():
         front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", None)
@@ -74,18 +71,34 @@ def behind_of(
         )
     arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
     on = [np.flatnonzero(np.any(arms[on_roads[:, i] != 0] != 0, axis=0)).tolist() for i in range(len(roads))]
-    wheels = sorted(place for some in on for place in some)
-    if any(len(some) != 1 for some in on) or any(sorted(trial.wheels) != wheels for trial in trials):
-        raise InputError(
-            Argument("behind"),
-            ": one wheel must stand on each road, and its motion be given; here "
-            f"{listed([car.coordinates[i] for i in wheels])} stand on roads",
-        )
+    if any(len(some) != 1 for some in on):
+        stand = [car.coordinates[i] for i in sorted(place for some in on for place in some)]
+        raise InputError(Argument("behind"), f": one wheel must stand on each road; here {listed(stand)} stand on them")
     places = {road: some[0] for road, some in zip(roads, on, strict=True)}
     return tuple(
         Behind(rear=roads.index(rear), front=roads.index(front), lag=lag, wheels=(places[front], places[rear]))
         for rear, front, lag in pairs
     )
+
+
+def check_rolled(pairs: Sequence[Behind], car: Suspension, trials: Sequence[Trial], speed: object) -> None:
+    """Refuse pairs of roads where the speed is unknown, or the motion of a wheel is not given.
+
+    Raises
+    ------
+    InputError
+        Saying which.
+    """
+    if pairs and speed is None:
+        raise InputError(
+            Argument("behind"), " needs the speed, from which the delay follows; give ", Argument("speed"), " too"
+        )
+    for wheel in (wheel for pair in pairs for wheel in pair.wheels):
+        if any(wheel not in trial.wheels for trial in trials):
+            raise InputError(
+                Argument("behind"),
+                f": the motion of every wheel on a road must be given; that of {car.coordinates[wheel]!r} is not",
+            )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
