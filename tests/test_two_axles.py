@@ -252,7 +252,7 @@ OF_FOUR = {f"road_rear_{side}": (f"road_front_{side}", LAG) for side in ("left",
 @cache
 def of_four(behind: bool) -> tuple[RealArray, RealArray, Estimate]:
     """Return errors and standard deviations of tires and wheel masses, as shares of the truth."""
-    asked = Drive(duration=60.0, rate=100.0, wheelbase=LAG, noise={name: 0.05 for name in SENSORS})
+    asked = Drive(duration=60.0, rate=100.0, wheelbase=LAG, noise=dict.fromkeys(SENSORS, 0.05))
     rng = np.random.default_rng(31)
     clean, times = driven(FULL, asked, rng)
     record = record_of(clean, times, SENSORS, asked, rng)

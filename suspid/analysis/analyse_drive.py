@@ -161,10 +161,10 @@ def analyse_drive(
         else:
             rolling["behind"] = behind
         try:
-            found = _with_dampers(
+            whole = _with_dampers(
                 drives, car, {**dict(unknowns or {}), **rolling}, (before, curves_before), step if curves else None
             )
-            return replace(found, notes=(*notes, *found.notes))
+            return replace(whole, notes=(*notes, *whole.notes))
         except (RecordError, EstimationError) as error:
             notes.append(Check(Remark(DriveRemark.NO_SPRINGS, {"why": error.wording}), Level.CARE))
     elif road is not None or behind or before:

@@ -96,8 +96,8 @@ def drive_command(
 
     Each damper's curve is tested whether it is a line. Its wear and its wheel's grip are judged against nominal values,
     or against earlier drives: --before takes the JSON of this command or of `suspid estimate`, in order of time. With
-    --road iso8608 tires, the modes of the whole car and the road's class are found too; with --behind, where rear wheels
-    follow front wheels on one track, tires and wheel masses several times better.
+    --road iso8608 tires, the modes of the whole car and the road's class are found too; where rear wheels follow front
+    wheels on one track, --behind makes tires and wheel masses several times more exact.
 
     Ends with 3 if the car that was found does not explain the records.
     """

@@ -86,8 +86,8 @@ def check_drive(job: Job, drive: DriveJob, car: Suspension | None) -> None:
     for name, value in unused.items():
         if value:
             raise InputError(f"settings.{name} does not apply to drives; leave it out")
-    for name, value in {"wheel_radius": drive.wheel_radius, "behind": drive.behind or None}.items():
-        if drive.road is None and value is not None:
+    for name, given in (("wheel_radius", drive.wheel_radius is not None), ("behind", bool(drive.behind))):
+        if drive.road is None and given:
             raise InputError(
                 Argument(name), " belongs to a model of the road: give ", Argument("road", '"iso8608"'), " too"
             )

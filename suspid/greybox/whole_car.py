@@ -127,7 +127,7 @@ def fit_with_road(
     # How the fit moves with the unknowns of the first step.
     carried = fit.by_suspension @ _by_unknown(problem)
     every = fit.covariance + carried @ found.covariance @ carried.T
-    roads, checks = _roads(whole, fit, every), []
+    roads, checks = _roads(whole, fit, every), list[Check]()
     count, size = len(second), len(unknowns) + len(found.extras)
     rest = np.array(second, int)
     place = np.array([*first, *range(len(unknowns), size)], int)

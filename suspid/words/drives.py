@@ -171,8 +171,8 @@ class DriveRemark(Code):
     )
     NO_DELAY = (
         "no delay",
-        "The speed is not known throughout, so neither is the delay between the axles: tires and wheel masses are those "
-        "of each axle by itself.",
+        "The speed is not known throughout, so neither is the delay between the axles: tires and wheel masses are "
+        "those of each axle by itself.",
     )
     NO_SPRINGS = "no springs", "Springs and dampers were not found: {why}."
     NO_FREQUENCIES = "no frequencies", "The frequencies of the body were not found: {why}."
