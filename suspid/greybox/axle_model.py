@@ -129,7 +129,7 @@ class AxleModel:
     @property
     def _at_unshared(self) -> int:
         """Place of rho's logarithm at the reference among the own unknowns."""
-        return 1 + self.road.functions.shape[1] + self.noise.shape[2]
+        return 1 + int(self.road.functions.shape[1]) + int(self.noise.shape[2])
 
     @property
     def _departure(self) -> float:
