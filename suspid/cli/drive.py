@@ -58,7 +58,7 @@ def road_of(road: str | None, wheel_radius: float | None, behind: tuple[str, ...
     return {"road": road, "wheel_radius": wheel_radius, "behind": led_by(behind) or None}
 
 
-ROAD = (ROAD_MODEL, WHEEL_RADIUS, BEHIND)
+ROAD_TOO = (ROAD_MODEL, WHEEL_RADIUS, BEHIND)
 
 
 @click.command("drive", cls=Grouped)
@@ -67,7 +67,7 @@ ROAD = (ROAD_MODEL, WHEEL_RADIUS, BEHIND)
 @reading
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
-@packed(road_of, ROAD, "road")
+@packed(road_of, ROAD_TOO, "road")
 @wanting
 @click.option("--before", type=FOUND, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")

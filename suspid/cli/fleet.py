@@ -14,7 +14,7 @@ from click.core import ParameterSource
 
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.commands import stopped_code
-from suspid.cli.drive import LIMITS, ROAD, WAY, limits_of, road_of, way_of
+from suspid.cli.drive import LIMITS, ROAD_TOO, WAY, limits_of, road_of, way_of
 from suspid.cli.measured import drafted, sources_of
 from suspid.cli.option_groups import Grouped
 from suspid.cli.options import analysing, packed
@@ -52,7 +52,7 @@ OF_DECAYS = ("which", "modes", "method", "band")
 @wanting
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
-@packed(road_of, ROAD, "road")
+@packed(road_of, ROAD_TOO, "road")
 @click.option("--time-limit", type=Positive("seconds"), help="Longest time for one record. [none]")
 @click.option("--chunk", type=Whole(1), help="Records per task and part of a table. [32; 4 drives]")
 @click.option("--table", type=RECORD, metavar="CSV", help="Columns record, vehicle, date: look for trends.")
