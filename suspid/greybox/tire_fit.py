@@ -22,8 +22,8 @@ from suspid.units import Ratio, RealArray
 
 FIRST_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)  # of springs and masses, where the search begins
 OVERLAP = 2 * SPAN  # lines over which scores are taken together: the tapers correlate seven, three to either side
-# Share of their variance that such sums show: powers 0 to 4 lines apart correlate by 1, 0.684, 0.381, 0.097 and 0, and a
-# pair counts in the sums that hold both, which are 12, 11, 10 and 9 of 12.
+# Share of their variance that such sums show: powers 0 to 4 lines apart correlate by 1, 0.684, 0.381, 0.097 and 0; a
+# pair counts in the sums with both, which are 12, 11, 10 and 9 of 12.
 SHOWN: Ratio = 0.9128
 
 
