@@ -32,6 +32,7 @@ from suspid.greybox.curve_fit import CurveFit, Linearised, Noise, Shape
 from suspid.greybox.curve_following import INDEPENDENT_LINES
 from suspid.greybox.curve_noise import Residual
 from suspid.greybox.curve_settling import too_loud
+from suspid.greybox.curve_travel import _expected, _turn_samples
 from suspid.greybox.force_basis import bend_covariance, node_weights, placed_nodes, sign_between, smooth_weights
 from suspid.greybox.latent_splines import (
     FINE_POINTS,
@@ -43,7 +44,7 @@ from suspid.greybox.latent_splines import (
     stencils,
 )  # fmt: skip
 from suspid.greybox.line_test import line_test
-from suspid.greybox.strut_motion import strut_motion
+from suspid.greybox.strut_motion import StrutMotion, strut_motion
 from suspid.records import as_response
 from suspid.reporting import json_schema, plot_damper_curve
 from suspid.units import RealArray
@@ -492,3 +493,33 @@ class TestNothingToTell:
         spiked.outputs[row, 1777] += 1e4
         with pytest.raises(RecordError, match=rf"{CHANNELS[row]} has samples that are no motion .* 8\.885 s"):
             damper_curve(spiked, CAR, strut="chassis")
+
+
+class TestTurns:
+    """Friction holds a strut at a turn until the other forces have changed by its double."""
+
+    STEP = 0.005
+
+    def motion(self) -> StrutMotion:
+        t = self.STEP * np.arange(8000)
+        noise = np.random.default_rng(4).standard_normal(len(t))
+        # 40 N in each sample, up and down in turn, and a travel whose velocity is 0.25 m/s at most.
+        force = 40.0 * np.abs((np.arange(len(t)) + 50) % 200 - 100.0)
+        travel = 0.02 * np.sin(2 * np.pi * 2.0 * t) + 2e-5 * noise
+        return StrutMotion(step=self.STEP, force=force, motion=travel, share=0.0, travel=True, channels=("a", "b"))
+
+    def test_for_double_the_friction_over_the_change_of_force(self) -> None:
+        # The filter rounds the corners, which are 2 of 100 samples.
+        assert _turn_samples([self.motion()], 60.0) == pytest.approx(2 * 60.0 / 40.0, rel=0.02)
+
+    @pytest.mark.parametrize("held", [True, False])
+    def test_then_every_moment_near_rest_is_left_out(self, held: bool) -> None:
+        """Where the velocity of the sine is within two errors, and four samples to either side."""
+        moved = _expected(self.motion(), 2e-5, np.random.default_rng(1), held=held)
+        t = self.STEP * np.arange(8000)
+        speed = 0.02 * 2 * np.pi * 2.0 * np.abs(np.cos(2 * np.pi * 2.0 * t))
+        passed = [i for i in np.flatnonzero(speed < 0.2 * moved.error) if 300 < i < 7700]
+        first = 8000 - len(moved.moves)
+        near = np.array([[moved.moves[i - first // 2 + k] for k in range(-4, 5)] for i in passed])
+        assert len(passed) > 20
+        assert np.all(near == 0) == held

@@ -272,3 +272,14 @@ def test_a_unit_in_a_name_is_known_in_every_format(tmp_path: Path) -> None:
         assert [str(note) for note in found.notes if "not converted" in str(note)] == [
             "channel 'body' was not converted: the file states no unit; scale multiplies it"
         ]
+
+
+@pytest.mark.parametrize(("name", "per_second"), [("uptimeNanos", 1e9), ("Time since start in ms ", 1e3)])
+def test_a_clock_of_a_telephone_is_no_channel(tmp_path: Path, name: str, per_second: float) -> None:
+    """Beside a date in whole seconds, too: 808 s of a drive were judged by the jitter of such a column."""
+    t = 0.02 * np.arange(400)
+    lines = [f"14/05/2016 11:17:{9 + int(s):02d},{round(s * per_second + 5e12)},{np.sin(9 * s):.6f}" for s in t]
+    (tmp_path / "a.csv").write_text("\n".join([f"timestamp,{name},z", *lines]))
+    found = read_recording(tmp_path / "a.csv")
+    assert [channel.name for channel in found.channels] == ["z"]
+    np.testing.assert_allclose(np.diff(found["z"].timepts), 0.02, rtol=1e-6)

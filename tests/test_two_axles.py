@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import control
@@ -12,9 +14,22 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from suspid import Estimate, InputError, Level, estimate, half_car, statespace, write_car, write_record
+from suspid import (
+    Estimate,
+    InputError,
+    Level,
+    Settings,
+    estimate,
+    estimate_many,
+    full_car,
+    half_car,
+    statespace,
+    write_car,
+    write_record,
+)
+from suspid.analysis import CarSettings
 from suspid.cli import main
-from suspid.greybox.axle_data import axle_record, cross_power
+from suspid.greybox.axle_data import axle_record, behind_of, cross_power
 from suspid.greybox.axle_model import AxleModel, axle_model
 from suspid.greybox.measured_causes import first_levels
 from suspid.greybox.road_maps import MapProblem
@@ -94,13 +109,14 @@ def model() -> tuple[AxleModel, RealArray, RealArray]:
     relaxations = len(extras.mounts)
     z = np.concatenate([suspension.nominal, np.where(np.arange(len(extras.names)) < relaxations, 0.0, extras.start)])
     levels = first_levels(problem.sources[0])
+    pair = behind_of(BEHIND, HALF)[0]
     maps = MapProblem(problem=problem, number=0, tires=tires, roads=(0, 1))
     own = axle_record(problem, z, 0, levels, trials[0], speed=speed, band=BAND, slowest=5.0)
     track = tracks_of(problem, z, 0, levels, trials, speeds=(speed,), band=BAND)[0]
     moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * track.samples).astype(int)
     speeds = np.array([speed[a : a + track.samples] for a in own.starts])[:, moments]
     shaped = replace(track, power=np.zeros((len(speeds), len(track.hertz))), speeds=speeds)
-    return axle_model(maps, z, levels, [own], road_model(shaped, radius=RADIUS)), z, tires.nominal
+    return axle_model(pair, maps, z, levels, [own], road_model(shaped, radius=RADIUS)), z, tires.nominal
 
 
 class TestMaps:
@@ -219,6 +235,129 @@ class TestEstimate:
         one = asked_of(short, speed[:6000], behind=BEHIND)
         checks = [check for check in one.verdict.checks if check.remark.code is EstimateCheck.FEW_BEHIND]
         assert [check.level for check in checks] == [Level.CARE]
+
+
+FULL = full_car(
+    chassis_mass=1200, pitch_inertia=1800, roll_inertia=500, front_tire_mass=40, rear_tire_mass=45, cg_to_front=1.2,
+    cg_to_rear=1.5, front_track=1.5, rear_track=1.48, front_stiffness=20e3, rear_stiffness=18e3,
+    front_antiroll_stiffness=8e3, rear_antiroll_stiffness=5e3, front_tire_stiffness=200e3,
+    rear_tire_stiffness=(210e3, 190e3), front_damping=1500, rear_damping=1400, front_tire_damping=60,
+    rear_tire_damping=60,
+)  # fmt: skip
+WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
+SENSORS = ("heave_acceleration", "pitch_acceleration", "roll_acceleration", *(f"{w}_acceleration" for w in WHEELS))
+OF_FOUR = {f"road_rear_{side}": (f"road_front_{side}", LAG) for side in ("left", "right")}
+
+
+@cache
+def of_four(behind: bool) -> tuple[RealArray, RealArray, Estimate]:
+    """Return errors and standard deviations of tires and wheel masses, as shares of the truth."""
+    asked = Drive(duration=60.0, rate=100.0, wheelbase=LAG, noise=dict.fromkeys(SENSORS, 0.05))
+    rng = np.random.default_rng(31)
+    clean, times = driven(FULL, asked, rng)
+    record = record_of(clean, times, SENSORS, asked, rng)
+    stiffness = {f"{w}_tire": 200e3 for w in WHEELS}
+    masses = {"front_left": 35, "front_right": 46, "rear_left": 50, "rear_right": 40}
+    one = estimate(
+        record, FULL.with_parameters(stiffness=stiffness, masses=masses), given=("wheels",), free_masses=WHEELS,
+        road="iso8608", speed=clean["speed"], behind=OF_FOUR if behind else None, mounts=(),
+    )  # fmt: skip
+    true = np.array([200e3, 200e3, 210e3, 190e3, 40, 40, 45, 45])
+    at = [one.parameters.index(n) for n in (*(f"{w}_tire.stiffness" for w in WHEELS), *(f"{w}.mass" for w in WHEELS))]
+    return one.values[at] / true - 1, np.sqrt(np.diag(one.covariance))[at] / true, one
+
+
+class TestFourWheels:
+    def test_holds_and_is_much_narrower(self) -> None:
+        (_, alone, _), (errors, stds, both) = of_four(False), of_four(True)
+        assert np.all(np.abs(errors) < 3.5 * stds)
+        assert np.all(stds < alone / 2.5)
+        checks = [c.remark for c in both.verdict.checks if c.remark.code is EstimateCheck.BEHIND]
+        assert [(one.numbers["rear"], one.numbers["front"]) for one in checks] == [
+            (rear, front) for rear, (front, _) in OF_FOUR.items()
+        ]
+
+    def test_the_car_turned_round_gives_four_roads(self) -> None:
+        """Through the transfer of the state space and back, each road is itself and none of the others."""
+        record = as_response(np.arange(4000) / 100, np.random.default_rng(1).standard_normal((7, 4000)), SENSORS)
+        trials = trials_of(record, FULL, ("wheels",))
+        unknowns = unknowns_of(FULL, rate=10.0, free_masses=WHEELS)
+        first, second = _parts(unknowns, trials, tuple(f"{w}_tire" for w in WHEELS))
+        problem = wheel_problem(
+            FULL, trials, _part(unknowns, first), gains=(), delays=(), mounts=(), band=None, stretch=None
+        )
+        order = (2, 0, 3, 1)
+        maps = MapProblem(problem=problem, number=0, tires=_part(unknowns, second), roads=order)
+        system = statespace(FULL, outputs=list(SENSORS))
+        s = np.asarray(2j * np.pi * np.array([0.7, 5.0, 11.0, 24.0]), complex)
+        shown = np.array([system(one) for one in s])
+        at = [[system.input_labels.index(FULL.roads[i] + rate) for i in order] for rate in ("", "_rate")]
+        shown = shown[:, :, at[0]] + s[:, None, None] * shown[:, :, at[1]]
+        made = maps.maps(s, maps.problem.unknowns.nominal, maps.tires.nominal)
+        causes = list(problem.sources[0].layout.causes)
+        np.testing.assert_allclose(made.roads @ shown[:, causes], np.broadcast_to(np.eye(4), (4, 4, 4)), atol=1e-8)
+
+    @pytest.mark.parametrize(
+        "behind",
+        [
+            {"road_rear_left": ("road_front_left", LAG)},
+            {**OF_FOUR, "road_front_left": ("road_front_right", LAG)},
+            {f"road_rear_{side}": ("road_front_left", LAG) for side in ("left", "right")},
+        ],
+    )
+    def test_every_road_is_named_once(self, behind: dict[str, tuple[str, float]]) -> None:
+        with pytest.raises(InputError, match="every road of the car once"):
+            behind_of(behind, FULL)
+
+
+class TestDrives:
+    def test_a_recording_of_a_drive(self, tmp_path: Path) -> None:
+        """`suspid drive` finds what `estimate` finds; without a speed it says that nothing follows from the track."""
+        record, speed = drive()
+        rows = np.vstack([np.asarray(record.outputs), speed])
+        names = (*(f"{name} [m/s2]" for name in CHANNELS), "speed [m/s]")
+        write_record(as_response(np.asarray(record.time), rows, names), tmp_path / "drive.csv")
+        write_car(NOMINAL, tmp_path / "car.toml")
+        words = ["drive", str(tmp_path / "drive.csv"), "--car", str(tmp_path / "car.toml"), "--road", "iso8608"]
+        words += ["--free-mass", "front,rear", "--behind", f"road_rear=road_front:{LAG}"]
+        pages = ["--json", str(tmp_path / "out.json"), "--page", str(tmp_path / "out.html")]
+        done = CliRunner().invoke(main, [*words, *pages])
+        assert done.exit_code == 0, done.output
+        assert "The road under road_rear is that under road_front" in " ".join(done.output.split())
+        content = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+        told = {one["name"]: one for one in content["estimate"]["parameters"]}
+        for name, true, std in zip(FOUND, TRUE, stds(found(True)), strict=True):
+            assert abs(told[name]["value"] - true) < 4 * told[name]["std"]
+            # The drive is cut at its ends.
+            assert told[name]["std"] == pytest.approx(std, rel=0.3)
+        assert "The road under road_rear is that under road_front" in (tmp_path / "out.html").read_text("utf-8")
+        unknown = CliRunner().invoke(main, [*words, "--without", "speed"])
+        assert "neither is the delay between the axles" in " ".join(unknown.output.split())
+
+    def test_drives_of_a_fleet(self, tmp_path: Path) -> None:
+        """Rows hold what a drive says, and the same call takes up where it was."""
+        record, speed = drive()
+        rows = np.vstack([np.asarray(record.outputs), speed])
+        ride = as_response(np.asarray(record.time), rows, (*CHANNELS, "speed [m/s]"))
+        for _ in range(2):
+            run = estimate_many(
+                [("VAN/2024-05-31", ride)], output=tmp_path / "out", car=NOMINAL, workers=1, road="iso8608",
+                behind=BEHIND, settings=Settings(springs=CarSettings(free_masses=("front", "rear"))),
+            )  # fmt: skip
+            (row,) = run.drives.to_pylist()
+            assert str(EstimateCheck.BEHIND) in row["notes"]
+            assert row["front_tire.stiffness_std"] == pytest.approx(stds(found(True))[0], rel=0.3)
+
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            ({"behind": BEHIND}, "belongs to a model of the road"),
+            ({"behind": {"road_rear": ("road", 2.7)}, "road": "iso8608"}, "every road of the car once"),
+        ],
+    )
+    def test_a_fleet_refuses_at_once(self, tmp_path: Path, options: dict[str, Any], words: str) -> None:
+        with pytest.raises(InputError, match=words):
+            estimate_many([], output=tmp_path / "out", car=NOMINAL, **options)
 
 
 class TestRefused:

@@ -22,6 +22,7 @@ from suspid.greybox import (
     DriveLimits,
     Drives,
     Estimate,
+    Led,
     RecordTest,
     body_modes,
     estimate,
@@ -57,6 +58,7 @@ def analyse_drive(
     unknowns: Mapping[str, Any] | None = None,
     road: Literal["iso8608"] | None = None,
     wheel_radius: Metre | None = None,
+    behind: Led | None = None,
     before: Sequence[Estimate] = (),
     curves_before: Sequence[Sequence[DamperCurve]] = (),
     curves: bool = True,
@@ -90,6 +92,8 @@ def analyse_drive(
         of the drive.
     wheel_radius : float, optional
         Rolling radius of the wheels [m], with a model of the road.
+    behind : mapping of str to (str, float), optional
+        Which road follows which, and how far behind [m], with a model of the road; see `estimate`.
     before : sequence of Estimate, optional
         Earlier estimates of this car, in order of time, that the dampers are compared with. Default: nominal values.
     curves_before : sequence of sequences of DamperCurve, optional
@@ -152,15 +156,20 @@ def analyse_drive(
     notes = [Check(Remark(DriveRemark.NO_WHEELS, {"names": missing}), Level.NOTE)] if missing else []
     if car is not None and wheels and not missing:
         rolling = _rolling(drives, road, wheel_radius)
+        if behind and road is not None and rolling["speed"] is None:
+            notes.append(Check(Remark(DriveRemark.NO_DELAY), Level.CARE))
+        else:
+            rolling["behind"] = behind
         try:
-            return _with_dampers(
+            whole = _with_dampers(
                 drives, car, {**dict(unknowns or {}), **rolling}, (before, curves_before), step if curves else None
             )
+            return replace(whole, notes=(*notes, *whole.notes))
         except (RecordError, EstimationError) as error:
             notes.append(Check(Remark(DriveRemark.NO_SPRINGS, {"why": error.wording}), Level.CARE))
-    elif road is not None or before:
+    elif road is not None or behind or before:
         raise InputError(
-            "road and before need springs and dampers: give a car, and a channel for the motion of each wheel"
+            "road, behind and before need springs and dampers: give a car, and a channel for the motion of each wheel"
             + (f" (not shown: {', '.join(missing)})" if missing else "")
         )
     try:

@@ -14,7 +14,7 @@ from suspid.cli.measured import checked_picture, drafted, save_picture, sources_
 from suspid.cli.option_groups import Grouped
 from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
-from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.parameters import BEHIND, ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, led_by, wanting, writing
 from suspid.cli.quantities import Positive
 from suspid.cli.streams import CAR, FILE, FOUND, RECORD
 from suspid.files import printable, replacing
@@ -53,9 +53,12 @@ LIMITS = (
 )  # fmt: skip
 
 
-def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
+def road_of(road: str | None, wheel_radius: float | None, behind: tuple[str, ...]) -> dict[str, Any]:
     """Return the arguments of `analyse_drive` on the road."""
-    return {"road": road, "wheel_radius": wheel_radius}
+    return {"road": road, "wheel_radius": wheel_radius, "behind": led_by(behind) or None}
+
+
+ROAD_TOO = (ROAD_MODEL, WHEEL_RADIUS, BEHIND)
 
 
 @click.command("drive", cls=Grouped)
@@ -64,7 +67,7 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
 @reading
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
-@packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
+@packed(road_of, ROAD_TOO, "road")
 @wanting
 @click.option("--before", type=FOUND, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
@@ -93,7 +96,8 @@ def drive_command(
 
     Each damper's curve is tested whether it is a line. Its wear and its wheel's grip are judged against nominal values,
     or against earlier drives: --before takes the JSON of this command or of `suspid estimate`, in order of time. With
-    --road iso8608 tires, the modes of the whole car and the road's class are found too.
+    --road iso8608 tires, the modes of the whole car and the road's class are found too; where rear wheels follow front
+    wheels on one track, --behind makes tires and wheel masses several times more exact.
 
     Ends with 3 if the car that was found does not explain the records.
     """

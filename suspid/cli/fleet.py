@@ -14,12 +14,12 @@ from click.core import ParameterSource
 
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.commands import stopped_code
-from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
+from suspid.cli.drive import LIMITS, ROAD_TOO, WAY, limits_of, road_of, way_of
 from suspid.cli.measured import drafted, sources_of
 from suspid.cli.option_groups import Grouped
 from suspid.cli.options import analysing, packed
 from suspid.cli.output import said_warnings, say
-from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
+from suspid.cli.parameters import Wanted, wanting
 from suspid.cli.quantities import Positive, Whole
 from suspid.cli.streams import CAR, FILE, RECORD
 from suspid.files import printable
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # Options of one kind of record alone, by the names of their parameters.
 OF_DRIVES = (
     "speed", "speed_unit", "longitudinal", "lateral", "least_speed", "most_braking", "most_cornering", "shortest",
-    "road", "wheel_radius",
+    "road", "wheel_radius", "behind",
 )  # fmt: skip
 OF_DECAYS = ("which", "modes", "method", "band")
 
@@ -52,7 +52,7 @@ OF_DECAYS = ("which", "modes", "method", "band")
 @wanting
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
-@packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
+@packed(road_of, ROAD_TOO, "road")
 @click.option("--time-limit", type=Positive("seconds"), help="Longest time for one record. [none]")
 @click.option("--chunk", type=Whole(1), help="Records per task and part of a table. [32; 4 drives]")
 @click.option("--table", type=RECORD, metavar="CSV", help="Columns record, vehicle, date: look for trends.")

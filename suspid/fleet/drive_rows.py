@@ -51,6 +51,7 @@ def drive_rows(
         unknowns={name: getattr(how, name) for name in ("fixed", "bounds", "ties", "nominal_std", "free_masses")},
         road=drive.road,
         wheel_radius=drive.wheel_radius,
+        behind=drive.behind,
         curves=False,
         progress=lambda step: know(replace(began, step=DRIVE_STEPS[step])),
     )

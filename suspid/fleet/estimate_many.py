@@ -19,7 +19,7 @@ from suspid.fleet.records import Entry
 from suspid.fleet.run import FleetRun, Progress, check_way_to_run, job_of, run
 from suspid.fleet.vehicles import read_vehicles, vehicle_in_name, vehicles_from_names
 from suspid.fleet.workers import dask_engine, local_engine
-from suspid.greybox import DriveLimits
+from suspid.greybox import DriveLimits, Led
 from suspid.model import Suspension
 from suspid.units import Metre, Second
 
@@ -41,6 +41,7 @@ def estimate_many(
     way: Mapping[str, str | None] | None = None,
     road: Literal["iso8608"] | None = None,
     wheel_radius: Metre | None = None,
+    behind: Led | None = None,
     table: str | os.PathLike[str] | None = None,
     pattern: str | None = None,
     time_limit: Second | None = None,
@@ -65,7 +66,7 @@ def estimate_many(
         As in `analyse_drive`, for every drive. Without one: frequencies of the body.
     settings : Settings, optional
         As in `analyse_drive`; ``springs`` has what is held, bounded, tied or free.
-    limits, way, road, wheel_radius : optional
+    limits, way, road, wheel_radius, behind : optional
         As in `analyse_drive`.
     table : path, optional
         CSV with the columns ``record``, ``vehicle`` and ``date``, as in `fleet_summary`.
@@ -113,8 +114,9 @@ def estimate_many(
     check_way_to_run(chunk, workers, scheduler)
     named, place = _placing(table, pattern)
     drive = DriveJob(
-        limits=limits or DriveLimits(), way=dict(way or {}), road=road, wheel_radius=wheel_radius, vehicles=named
-    )
+        limits=limits or DriveLimits(), way=dict(way or {}), road=road, wheel_radius=wheel_radius,
+        behind=dict(behind or {}), vehicles=named,
+    )  # fmt: skip
     job = job_of(car, settings or Settings(), time_limit, drive)
     check_job(job, car)
     check_drive(job, drive, car)

@@ -10,7 +10,7 @@ from suspid.analysis import CarSettings, Settings, check_springs
 from suspid.errors import InputError
 from suspid.fleet.manifest import environment
 from suspid.fleet.tables import DECAYS, Layout, drives_layout
-from suspid.greybox import DriveLimits, wheels_of
+from suspid.greybox import DriveLimits, Led, behind_of, wheels_of
 from suspid.model import Suspension, car_from_toml
 from suspid.units import Metre, Second
 from suspid.wording import Argument
@@ -24,6 +24,7 @@ class DriveJob:
     way: Mapping[str, str | None] = field(default_factory=dict)
     road: Literal["iso8608"] | None = None
     wheel_radius: Metre | None = None
+    behind: Led = field(default_factory=dict)
     # Where vehicles and dates come from, for the manifest; each record has its own.
     vehicles: str = "names"
 
@@ -85,9 +86,12 @@ def check_drive(job: Job, drive: DriveJob, car: Suspension | None) -> None:
     for name, value in unused.items():
         if value:
             raise InputError(f"settings.{name} does not apply to drives; leave it out")
-    if drive.road is None and drive.wheel_radius is not None:
-        raise InputError(
-            Argument("wheel_radius"), " belongs to a model of the road: give ", Argument("road", '"iso8608"'), " too"
-        )
+    for name, given in (("wheel_radius", drive.wheel_radius is not None), ("behind", bool(drive.behind))):
+        if drive.road is None and given:
+            raise InputError(
+                Argument(name), " belongs to a model of the road: give ", Argument("road", '"iso8608"'), " too"
+            )
     if drive.road is not None and (car is None or not wheels_of(car)):
         raise InputError("road needs a car with wheels: give car")
+    if car is not None:
+        behind_of(drive.behind, car)

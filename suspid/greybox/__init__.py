@@ -12,6 +12,8 @@ With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire
 (`road_maps`, `axle_…`). `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `damper_curves`.
 """
 
+from suspid.greybox.axle_data import Led as Led
+from suspid.greybox.axle_data import behind_of
 from suspid.greybox.body_mode import BodyMode, BodyModes
 from suspid.greybox.body_modes import body_modes
 from suspid.greybox.by_cause import estimate_by_cause
@@ -44,6 +46,7 @@ __all__ = [
     "LineTest",
     "RecordTest",
     "RoadEstimate",
+    "behind_of",
     "body_channels",
     "body_modes",
     "damper_curve",

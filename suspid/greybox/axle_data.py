@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ FINER = 2  # samples of the slope of the front between two of the record, for sp
 STANDING = 0.25  # of the median speed: slower stretches are left out, as their delay is long and uncertain
 
 
+Led: TypeAlias = Mapping[str, tuple[str, Metre]]  # by road the one that it follows, and how far behind
+
+
 class Behind(NamedTuple):
     """Which road another meets later."""
 
@@ -43,47 +46,59 @@ class Behind(NamedTuple):
     wheels: tuple[int, int]  # coordinates on the front and the rear one
 
 
-def behind_of(
-    behind: Mapping[str, tuple[str, Metre]] | None, car: Suspension, trials: Sequence[Trial], speed: object
-) -> Behind | None:
-    """Return which road of a car follows the other.
+def behind_of(behind: Led | None, car: Suspension) -> tuple[Behind, ...]:
+    """Return which roads of a car follow which.
 
     Raises
     ------
     InputError
-        If the names are not the two roads of the car, the distance is not positive, the wheels are not two, or the
-        speed is unknown.
+        If the names are not all roads of the car, each once, a distance is not positive, or a road does not carry one
+        wheel.
     """
     if not behind:
-        return None
-    if speed is None:
+        return ()
+    roads, pairs = list(car.roads), []
+    for rear, led in behind.items():
+        front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", None)
+        fits = isinstance(lag, int | float) and 0 < lag < np.inf
+        pairs.append((rear, front, float(lag) if fits and lag is not None else np.nan))
+    named = [road for rear, front, _ in pairs for road in (rear, front)]
+    if sorted(map(str, named)) != sorted(roads) or any(np.isnan(lag) for _, _, lag in pairs):
+        raise InputError(
+            Argument("behind", repr(dict(behind))),
+            " must name every road of the car once, each rear one with the front one that it follows and the distance "
+            f"[m], such as {{'rear': ('front', 2.7)}}; the car's roads are {listed(roads)}",
+        )
+    arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
+    on = [np.flatnonzero(np.any(arms[on_roads[:, i] != 0] != 0, axis=0)).tolist() for i in range(len(roads))]
+    if any(len(some) != 1 for some in on):
+        stand = [car.coordinates[i] for i in sorted(place for some in on for place in some)]
+        raise InputError(Argument("behind"), f": one wheel must stand on each road; here {listed(stand)} stand on them")
+    places = {road: some[0] for road, some in zip(roads, on, strict=True)}
+    return tuple(
+        Behind(rear=roads.index(rear), front=roads.index(front), lag=lag, wheels=(places[front], places[rear]))
+        for rear, front, lag in pairs
+    )
+
+
+def check_rolled(pairs: Sequence[Behind], car: Suspension, trials: Sequence[Trial], speed: object) -> None:
+    """Refuse pairs of roads where the speed is unknown, or the motion of a wheel is not given.
+
+    Raises
+    ------
+    InputError
+        Saying which.
+    """
+    if pairs and speed is None:
         raise InputError(
             Argument("behind"), " needs the speed, from which the delay follows; give ", Argument("speed"), " too"
         )
-    roads = car.roads
-    arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
-    on = np.any(on_roads != 0, axis=1)
-    fits = len(behind) == 1 and len(roads) == 2
-    for rear, led in behind.items():
-        front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", np.nan)
-        fits = fits and {rear, front} == set(roads) and isinstance(lag, int | float) and 0 < lag < np.inf
-        if not fits:
-            raise InputError(
-                Argument("behind", repr(dict(behind))),
-                f" must name the two roads of the car and their distance [m], such as {{'rear': ('front', 2.7)}}; "
-                f"the car's roads are {listed(roads)}",
-            )
-        wheels = [c for i, c in enumerate(car.coordinates) if np.any(arms[on, i])]
-        if len(wheels) != 2 or any(len(trial.wheels) != 2 for trial in trials):
+    for wheel in (wheel for pair in pairs for wheel in pair.wheels):
+        if any(wheel not in trial.wheels for trial in trials):
             raise InputError(
                 Argument("behind"),
-                f": two wheels must stand on the two roads, and both be given; here {listed(wheels)}",
+                f": the motion of every wheel on a road must be given; that of {car.coordinates[wheel]!r} is not",
             )
-        place = [
-            int(np.flatnonzero(np.any(arms[on_roads[:, roads.index(r)] != 0] != 0, axis=0))[0]) for r in (front, rear)
-        ]
-        return Behind(rear=roads.index(rear), front=roads.index(front), lag=float(lag), wheels=(place[0], place[1]))
-    return None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -103,13 +118,13 @@ class AxleRecord:
     starts: tuple[int, ...]  # first sample of each stretch
 
     def slopes(self, maps: MapProblem, z: RealArray, x: RealArray, lag: Metre) -> RealArray:
-        """Return the slopes of the road under both wheels at the place of the rear one, (2, sample)."""
+        """Return the slopes of the first two roads of ``maps`` at the place of the second one, (2, sample)."""
         from scipy.interpolate import CubicSpline
 
         made = maps.maps(self.s, z, x)
         residual = self.outputs - np.einsum("lab,lb->la", made.outputs, self.causes)
         motion = self.causes + np.einsum("lab,lb->la", self.weigh, residual)
-        rates = np.einsum("lab,lb->la", made.roads, motion) * (self.s * self.edge)[:, None]
+        rates = np.einsum("lab,lb->la", made.roads[:, :2], motion) * (self.s * self.edge)[:, None]
         whole = np.zeros((2, FINER * self.count // 2 + 1), complex)
         whole[:, self.first : self.first + len(self.s)] = FINER * rates.T
         front, rear = np.fft.irfft(whole, FINER * self.count, axis=1)

@@ -18,7 +18,7 @@ from suspid.greybox.axle_model import AxleModel, Expected, Spectral
 from suspid.greybox.road_maps import RoadMap
 from suspid.greybox.tire_fit import scatter
 from suspid.reconstruction import LARGEST_STEP, Unknowns
-from suspid.units import ComplexArray, Metre, Ratio, RealArray
+from suspid.units import ComplexArray, Ratio, RealArray
 
 # Way that is left of tires, masses and the first step, in standard deviations of each: it ends the search. The value
 # stalls before the scores are zero: it is that of a constant delay in each stretch, and they are not its derivatives.
@@ -34,7 +34,6 @@ class AxleProblem:
     unknowns: Unknowns  # of the second step
     found: RealArray  # z of the first step, without bounds: on them its errors have no mean of zero
     spread: RealArray  # (z, component): square root of its covariance
-    lag: Metre
 
     @property
     def shared(self) -> int:
@@ -44,7 +43,7 @@ class AxleProblem:
     def at(self, state: AxleState, model: AxleModel) -> tuple[RealArray, RealArray, RoadMap, float]:
         """Return z, x, the maps of a model, and the lag."""
         z = self.found + self.spread @ state.off
-        return z, state.x, model.maps.maps(model.s, z, state.x), self.lag * float(np.exp(state.log_lag))
+        return z, state.x, model.maps.maps(model.s, z, state.x), model.behind.lag * float(np.exp(state.log_lag))
 
     @property
     def prior_std(self) -> RealArray:
@@ -59,7 +58,7 @@ class AxleState:
 
     off: RealArray  # components of the first step
     x: RealArray
-    log_lag: float  # over the stated one
+    log_lag: float  # over the stated one, of all tracks
     own: tuple[RealArray, ...]  # by model
     levels: tuple[RealArray, ...]  # by model, (stretch,)
 
@@ -81,8 +80,7 @@ class AxleFit:
     state: AxleState
     covariance: RealArray  # (unknown, unknown) of x
     by_found: RealArray  # (unknown, component): change of x with what the first step found
-    lag: Metre
-    lag_std: Metre
+    log_lag_std: float
 
 
 def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
@@ -92,13 +90,17 @@ def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
     information, gradient, every = _equation(problem, state, power)
     stated, _ = _known(problem, state)
     spread = stated.copy()
+    together: dict[int, RealArray] = {}
     for number, (model, cells) in enumerate(zip(problem.models, every, strict=True)):
         place = _place(problem, number)
         flat = cells.slopes.reshape(-1, len(place))
         stated[np.ix_(place, place)] += model.taper_loss * flat.T @ flat
         each = cells.slopes * cells.excess[:, :, None]
         by_line = each.reshape(len(each), -1, 4, len(place)).sum(axis=2)
-        spread[np.ix_(place, place)] += scatter(by_line)
+        # Tracks of one drive are two paths over one road: their scores are not independent.
+        shared = together.setdefault(model.maps.number, np.zeros((*by_line.shape[:2], len(gradient))))
+        shared[:, :, place] += by_line
+    spread += sum(map(scatter, together.values()))
     stuck = _stuck(problem, state, gradient)
     stuck = stuck[stuck >= problem.shared]
     hold(information, gradient, stuck)
@@ -112,13 +114,11 @@ def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
     size, count = problem.spread.shape[1], len(problem.unknowns)
     x = slice(size, size + count)
     natural = problem.unknowns.per_step(state.x)
-    lag = problem.lag * float(np.exp(state.log_lag))
     return AxleFit(
         state=state,
         covariance=natural[:, None] * whole[x, x] * natural,
         by_found=natural[:, None] * inverse[x, :size],
-        lag=lag,
-        lag_std=lag * float(np.sqrt(whole[size + count, size + count])),
+        log_lag_std=float(np.sqrt(whole[size + count, size + count])),
     )
 
 
@@ -133,8 +133,10 @@ def _measured(problem: AxleProblem, state: AxleState, model: AxleModel) -> Compl
     return model.measured(z, x, lag)
 
 
-def first_state(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]) -> tuple[AxleState, float]:
-    """Return where the search begins, at the lag of greatest coherence, and its median over the lines.
+def first_state(
+    problem: AxleProblem, start: RealArray, own: Sequence[RealArray]
+) -> tuple[AxleState, tuple[RealArray, ...]]:
+    """Return where the search begins, at the lag of greatest coherence, and this by model at the lines.
 
     It begins from tires and wheel masses ``start`` on, and from each model's own unknowns.
     """
@@ -150,14 +152,14 @@ def first_state(problem: AxleProblem, start: RealArray, own: Sequence[RealArray]
     in_phase, levels = [], []
     for model in problem.models:
         power = _measured(problem, state, model)
-        late = model.s.imag * (problem.lag * np.exp(-model.road.track.log_speed))[:, None]
+        late = model.s.imag * (model.behind.lag * np.exp(-model.road.track.log_speed))[:, None]
         scale = np.sqrt(np.mean(power[..., 0, 0].real, axis=0) * np.mean(power[..., 1, 1].real, axis=0))
         turns = np.exp(-1j * late * np.expm1(tried)[:, None, None])
         in_phase.append(np.mean((power[..., 0, 1] * turns).real, axis=1) / scale)
         levels.append(np.mean(np.log((power[..., 0, 0] + power[..., 1, 1]).real / 2), axis=1))
-    coherence = np.median(np.concatenate(in_phase, axis=1), axis=1)
-    best = int(np.argmax(coherence))
-    return replace(state, log_lag=float(tried[best]), levels=tuple(levels)), float(coherence[best])
+    best = int(np.argmax(np.median(np.concatenate(in_phase, axis=1), axis=1)))
+    coherence = tuple(one[best] for one in in_phase)
+    return replace(state, log_lag=float(tried[best]), levels=tuple(levels)), coherence
 
 
 def _value(problem: AxleProblem, state: AxleState) -> tuple[float, list[ComplexArray]]:
@@ -173,7 +175,9 @@ def _value(problem: AxleProblem, state: AxleState) -> tuple[float, list[ComplexA
         trace = (S[..., 1, 1] * power[..., 0, 0] + S[..., 0, 0] * power[..., 1, 1]).real
         trace = trace - 2 * (S[..., 0, 1] * power[..., 1, 0]).real
         value += float(np.sum(np.log(det) + trace / det))
-        value -= 2 * model.stretches * float(np.sum(np.linalg.slogdet(here.roads)[1]))
+        # All tracks share one map.
+        shared = 2 / len(model.maps.roads)
+        value -= 2 * shared * model.stretches * float(np.sum(np.linalg.slogdet(here.roads)[1]))
         every.append(power)
     return value, every
 

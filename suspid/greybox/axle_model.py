@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.greybox.axle_data import AxleRecord, best_motion, cross_power
+from suspid.greybox.axle_data import AxleRecord, Behind, best_motion, cross_power
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.road_maps import MapProblem, RoadMap
 from suspid.greybox.road_model import (
@@ -44,8 +44,12 @@ SMALL_STEP = 1e-4  # of unknowns, in derivatives of maps by differences
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class AxleModel:
-    """All stretches of one logger; its own unknowns are w, g, the noise of both, rho's, then those of wheel orders."""
+    """One track in all stretches of one logger: the first two roads of the maps, of which one follows the other.
 
+    Its own unknowns are w, g, the noise of each cause, rho's, then those of wheel orders.
+    """
+
+    behind: Behind
     maps: MapProblem
     records: tuple[AxleRecord, ...]
     road: RoadModel  # of its stretches: speeds, orders, components of departures
@@ -74,9 +78,10 @@ class AxleModel:
     @property
     def prior(self) -> Prior:
         """What is known before the record is asked."""
-        parts, orders = self.road.functions.shape[1], len(self.road.orders)
-        mean = [EXPONENT[0], *[0.0] * parts, 0.0, 0.0, UNSHARED[0], *[0.0] * parts, UNSHARED_GROWTH[0]]
-        std = [EXPONENT[1], *[1.0] * parts, NOISE_STD, NOISE_STD, UNSHARED[1], *[1.0] * parts, UNSHARED_GROWTH[1]]
+        parts, causes, orders = self.road.functions.shape[1], self.noise.shape[2], len(self.road.orders)
+        mean = [EXPONENT[0], *[0.0] * (parts + causes), UNSHARED[0], *[0.0] * parts, UNSHARED_GROWTH[0]]
+        std = [EXPONENT[1], *[1.0] * parts, *[NOISE_STD] * causes]
+        std += [UNSHARED[1], *[1.0] * parts, UNSHARED_GROWTH[1]]
         if orders:
             mean += [*[0.0] * (2 * orders), ORDER_GROWTH[0], 0.0]
             std += [*[LARGEST_ORDER] * (2 * orders), ORDER_GROWTH[1], RADIUS_STD]
@@ -116,10 +121,15 @@ class AxleModel:
 
     def shared(self, own: RealArray) -> RealArray:
         """Return the coherence of the two roads at the lines, (stretch, line)."""
-        parts = self.road.functions.shape[1]
-        departs = UNSHARED_CHANGE / self._departure * (self.components @ own[4 + parts : 4 + 2 * parts])
-        log_rho = own[3 + parts] + own[4 + 2 * parts] * self.log_ratio + departs
+        parts, at = self.road.functions.shape[1], self._at_unshared
+        departs = UNSHARED_CHANGE / self._departure * (self.components @ own[at + 1 : at + 1 + parts])
+        log_rho = own[at] + own[at + 1 + parts] * self.log_ratio + departs
         return np.asarray(1 / (1 + np.exp(log_rho)))
+
+    @property
+    def _at_unshared(self) -> int:
+        """Place of rho's logarithm at the reference among the own unknowns."""
+        return 1 + int(self.road.functions.shape[1]) + int(self.noise.shape[2])
 
     @property
     def _departure(self) -> float:
@@ -132,8 +142,9 @@ class AxleModel:
         late = np.ones((self.stretches, len(self.s), 2), complex)
         late[:, :, 0] = np.exp(-self.s * (lag * np.exp(-track.log_speed))[:, None])
         per_metre = np.abs(self.s) ** 2 * self.by_speed[:, None]
-        uneven = np.exp(own[1 + parts : 3 + parts] / 2)
-        noise = here.roads @ (self.noise * uneven[:, None] * uneven) @ here.roads.conj().swapaxes(1, 2)
+        uneven = np.exp(own[1 + parts : self._at_unshared] / 2)
+        back = here.roads[:, :2]
+        noise = back @ (self.noise * uneven[:, None] * uneven) @ back.conj().swapaxes(1, 2)
         power = np.exp(levels[:, None] - (own[0] - 2) * self.log_ratio + self.components @ own[1 : 1 + parts])
         road = np.zeros((self.stretches, len(self.s), 2, 2))
         road[..., 0, 0] = road[..., 1, 1] = power
@@ -152,12 +163,10 @@ class AxleModel:
         road, components = made.road, self.components
         columns: list[Spectral] = [-self.log_ratio[..., None, None] * road]
         columns += [components[:, :, i, None, None] * road for i in range(parts)]
-        uneven = np.exp(own[1 + parts : 3 + parts] / 2)
-        for wheel in range(2):
-            half = np.zeros(2)
-            half[wheel] = 0.5
+        uneven, back = np.exp(own[1 + parts : self._at_unshared] / 2), here.roads[:, :2]
+        for half in np.eye(len(uneven)) / 2:
             change = self.noise * uneven[:, None] * uneven * (half[:, None] + half)
-            change = here.roads @ change @ here.roads.conj().swapaxes(1, 2)
+            change = back @ change @ back.conj().swapaxes(1, 2)
             columns.append(turned(change, made.late) * made.per_metre[..., None, None])
         shared = self.shared(own)
         unshared = np.zeros_like(road)
@@ -193,8 +202,9 @@ class AxleModel:
         for dz, dx in directions:
             one, other = (self.maps.maps(self.s, z + h * dz, x + h * dx) for h in (SMALL_STEP, -SMALL_STEP))
             change = one.roads - other.roads - weighed @ (one.outputs - other.outputs)
-            turn = change @ back / (2 * SMALL_STEP)
-            pushed = turn + np.linalg.solve(here.tires, one.tires - other.tires) / (2 * SMALL_STEP)
+            # Of other tracks' roads only what moves with these would come in: that is left out of the slope.
+            turn = (change @ back)[:, :2, :2] / (2 * SMALL_STEP)
+            pushed = turn + np.linalg.solve(here.tires, one.tires - other.tires)[:, :2, :2] / (2 * SMALL_STEP)
             moved = turned(turn, made.late) @ made.road + turned(pushed, made.late) @ made.orders
             columns.append(-(moved + moved.conj().swapaxes(2, 3)))
         return columns
@@ -213,11 +223,12 @@ class AxleModel:
             return made
         orders, (growth, log_radius) = self.road.orders, own[-2:].tolist()
         amounts = ORDER_FORCE**2 / 2 * own[-2 - 2 * len(orders) : -2].reshape(2, -1)
-        gives = np.linalg.inv(here.tires)
+        # One wheel stands on each road.
+        gives = np.sum(np.abs(np.linalg.inv(here.tires)[:, :2]) ** 2, axis=2)
         for order, both in zip(orders, amounts.T, strict=True):
             power = self.road.rotations(order, growth, log_radius) @ self.road.track.kernel.T * per_metre
             for wheel in range(2):
-                made[..., wheel, wheel] += both[wheel] * power * np.abs(gives[:, wheel, wheel]) ** 2
+                made[..., wheel, wheel] += both[wheel] * power * gives[:, wheel]
         return made
 
 
@@ -242,7 +253,7 @@ def turned(matrix: Spectral, late: ComplexArray) -> ComplexArray:
 
 
 def axle_model(
-    maps: MapProblem, z: RealArray, levels: Levels, records: Sequence[AxleRecord], road: RoadModel
+    behind: Behind, maps: MapProblem, z: RealArray, levels: Levels, records: Sequence[AxleRecord], road: RoadModel
 ) -> AxleModel:
     """Return the model of the stretches of one logger; ``road`` is the model of their speeds."""
     track = road.track
@@ -251,6 +262,7 @@ def axle_model(
     weigh, noise = best_motion(maps.problem, z, maps.number, levels, s)
     assert track.speeds is not None
     return AxleModel(
+        behind=behind,
         maps=maps,
         records=tuple(records),
         road=road,

@@ -10,7 +10,7 @@ biased by noise that a derivative of the travel has.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,10 @@ NOISY_LINES = (0.8, 1.0)
 # A strut sticks where its velocity is within this many errors of rest over this many samples or more: a velocity that
 # changes its sign in motion is through in less than one. Friction has no law there; samples beside it are left out too.
 REST_ERRORS, REST_SAMPLES, REST_MARGIN = 2.0, 3, 2
+# At a turn friction holds the strut until the other forces have changed by its double. Where that lasts for this number
+# of samples or more, every sample near rest is left out, and more beside it: sticks that are shorter than those above are
+# not seen, and friction would be found too small.
+HELD_SAMPLES, HELD_MARGIN = 1.0, 4
 # How often noise and curve are found in turn; the noise changes by less than a percent after three rounds.
 TRAVEL_ROUNDS = 4
 
@@ -49,15 +53,16 @@ def travel_fit(
 ) -> tuple[CurveFit, Shape, Noise, Residual]:
     """Return the curve, its nodes, the noise of both signals, and what is left; ``shaped`` places nodes by velocity."""
     noise = Noise(force=_white(motions, "force"), motion=_white(motions, "motion"))
-    most, shape = noise.motion, None
+    most, shape, held = noise.motion, None, False
     for last in [*[False] * TRAVEL_ROUNDS, True]:
-        moved = [_expected(one, noise.motion, rng) for one in motions]
+        moved = [_expected(one, noise.motion, rng, held=held) for one in motions]
         if shape is None:
             samples = [one.velocity[::FINE_POINTS][_inside(m)] for one, m in zip(moved, motions, strict=True)]
             shape = shaped(np.concatenate(samples))
         columns = [_columns(m, one, shape) for m, one in zip(motions, moved, strict=True)]
         fit = _fitted(motions, moved, columns, friction=shape.friction)
         left = _residual(motions, moved, columns, shape, fit, noise, rng)
+        held = held or (shape.friction and _turn_samples(motions, float(fit.theta[-1])) >= HELD_SAMPLES)
         shown = noise_of(left, noise)
         noise = noise if last else Noise(force=shown.force, motion=min(shown.motion, most), velocity=left.velocity)
     assert shape is not None
@@ -88,7 +93,13 @@ def _inside(motion: StrutMotion) -> slice:
     return slice(end, count - end)
 
 
-def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _Expected:
+def _turn_samples(motions: Sequence[StrutMotion], friction: float) -> float:
+    """Return for how many samples friction usually holds the strut at a turn."""
+    changes = np.concatenate([np.diff(smoothed(one.force, one.step)[_inside(one)]) for one in motions])
+    return 2 * friction / max(float(np.sqrt(np.mean(changes**2))), np.finfo(float).tiny)
+
+
+def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator, *, held: bool) -> _Expected:
     """Return the expected motion where the travel has white noise of a standard deviation."""
     from scipy.ndimage import binary_dilation, binary_opening, uniform_filter1d
 
@@ -115,13 +126,15 @@ def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _E
     seen = motion_share * np.fft.rfft(whole)
     error = float(np.sqrt(np.sum(power * motion_share * np.abs(turning) ** 2) * (lines[1] - lines[0])))
     velocity = fine(turning * seen)
-    stuck = binary_opening(np.abs(velocity[::FINE_POINTS]) < REST_ERRORS * error, np.ones(REST_SAMPLES, np.bool_))
+    rest = np.abs(velocity[::FINE_POINTS]) < REST_ERRORS * error
+    stuck = rest if held else binary_opening(rest, np.ones(REST_SAMPLES, np.bool_))
+    margin = HELD_MARGIN if held else REST_MARGIN
     drawn = noise * np.sqrt(motion_share) * np.fft.rfft(rng.standard_normal((PROBES, len(whole))), axis=1)
     return _Expected(
         travel=fine(seen),
         velocity=velocity,
         error=error,
-        moves=np.asarray(~binary_dilation(stuck, iterations=REST_MARGIN)[_inside(motion)], float),
+        moves=np.asarray(~binary_dilation(stuck, iterations=margin)[_inside(motion)], float),
         probes=tuple((fine(one), fine(turning * one)) for one in drawn),
     )
 
@@ -223,7 +236,10 @@ def _residual(
         expected.append(both.reshape(-1, 2, PROBES).mean(axis=2))
         squares.append(one.error**2)
         weights.append(len(part.force_residual))
-    return averaged(motions, power, expected, squares, weights)
+    whole = averaged(motions, power, expected, squares, weights)
+    # What is left out tells nothing.
+    told = float(np.mean(np.concatenate([one.moves for one in moved])))
+    return replace(whole, independent=np.maximum(whole.independent * told, 1.0))
 
 
 def _force(velocity: RealArray, shape: Shape, forces: RealArray) -> RealArray:

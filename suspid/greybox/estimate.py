@@ -7,6 +7,7 @@ from typing import Literal
 
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
+from suspid.greybox.axle_data import Led
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fitted_car import Asked, fitted_car
 from suspid.greybox.record_test import RecordTest
@@ -37,7 +38,7 @@ def estimate(
     road: Literal["iso8608"] | None = None,
     speed: Speed | Sequence[Speed] | None = None,
     wheel_radius: Metre | None = None,
-    behind: Mapping[str, tuple[str, Metre]] | None = None,
+    behind: Led | None = None,
 ) -> Estimate:
     """Estimate stiffness and damping of every strut directly from records, for known topology.
 
@@ -96,9 +97,11 @@ def estimate(
         Rolling radius of the wheels [m], to about 2 %; with the speed it gives the frequencies of unbalanced wheels.
     behind : mapping of str to (str, float), optional
         Which road meets what another has met, and how far behind [m], to some 10 %: ``{"road_rear": ("road_front",
-        2.7)}`` for two axles on one track, whose wheels are given. Where both wheels roll over the same road, tires and
-        wheel masses are found without a model of its spectrum, several times better. How far the two roads are the same
-        is estimated; if they are not, each axle is fitted by itself as without. Needs the speed.
+        2.7)}`` for two axles on one track, whose wheels are given; of four wheels each rear one follows a front one,
+        ``{"road_rear_left": ("road_front_left", 2.7), "road_rear_right": ("road_front_right", 2.7)}``. Where wheels
+        roll over the same road, tires and wheel masses are found without a model of its spectrum, several times better.
+        How far the roads are the same is estimated; if they are not, each axle is fitted by itself as without. Needs
+        the speed.
 
     Returns
     -------

@@ -15,7 +15,7 @@ from suspid.greybox.car_records import renaming
 from suspid.greybox.channel_words import names_speed
 from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.drives import Drive, Drives
-from suspid.greybox.shaken import moving, order_in, said_of, said_of_units, shaken_of
+from suspid.greybox.shaken import moving, order_in, said_of, said_of_level, said_of_units, shaken_of
 from suspid.greybox.speeds import way_of
 from suspid.greybox.stretches import judged, stretches_of
 from suspid.model import Suspension
@@ -140,7 +140,7 @@ def find_drives(
         stretches=tuple(stretches),
         records=tuple(records),
         speeds=tuple(speeds),
-        remarks=(*said, *_far_off(outliers), *judged(way)),
+        remarks=(*said, *said_of_level(course), *_far_off(outliers), *judged(way)),
         title=whole.title,
         course=frozen_real(np.concatenate(course)) if course else np.empty((0, 3)),
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError
-from suspid.greybox.axle_data import behind_of
+from suspid.greybox.axle_data import Led, behind_of, check_rolled
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
@@ -53,7 +53,7 @@ class Asked(NamedTuple):
     road: Literal["iso8608"] | None = None
     speed: Speed | Sequence[Speed] | None = None
     wheel_radius: Metre | None = None
-    behind: Mapping[str, tuple[str, Metre]] | None = None
+    behind: Led | None = None
 
 
 def fitted_car(
@@ -96,9 +96,11 @@ def fitted_car(
     if asked.road:
         rolling = rolling_of(records, trials, speed=asked.speed, radius=asked.wheel_radius)
         trials = without_speed(trials, rolling)
+        pairs = behind_of(asked.behind, suspension)
+        check_rolled(pairs, suspension, trials, asked.speed)
         fit = fit_with_road(
             unknowns, trials, rolling, beyond=beyond, gains=asked.gains, delays=asked.delays, mounts=asked.mounts,
-            band=asked.band_hz, stretch=asked.stretch, behind=behind_of(asked.behind, suspension, trials, asked.speed),
+            band=asked.band_hz, stretch=asked.stretch, behind=pairs,
         )  # fmt: skip
     elif any(driven):
         options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}

@@ -32,7 +32,7 @@ class MapProblem:
     problem: WheelProblem
     number: int  # of the logger
     tires: Unknowns  # of the second step
-    roads: tuple[int, ...]  # in the order in which they are returned
+    roads: tuple[int, ...]  # all of the car, in the order in which they are returned
 
     def physics(self, z: RealArray, x: RealArray) -> Physics:
         """Return all parameters at unknowns z of the first step and x of the second."""

@@ -15,7 +15,7 @@ from suspid.greybox.stated_units import own_unit
 from suspid.greybox.wheels import body_channels
 from suspid.model import Suspension, output_weights
 from suspid.recordings import RawChannel, Recording
-from suspid.units import Second
+from suspid.units import MetrePerSecond2, RealArray, Second
 from suspid.words import Check, Level, Remark
 from suspid.words.drives import DriveRemark
 
@@ -24,6 +24,8 @@ UNSTATED_ORDER = 2
 # Unit that a displacement or an angle is taken in, by how often it is differentiated.
 UNIT_OF_ORDER = (("m", "rad"), ("m/s", "rad/s"), ("m/s2", "rad/s2"))
 FEWEST_CHANGES = 10  # of a channel that is held: fewer may be those of one that is stuck
+# Usual vibration beyond which a unit is wrong [m/s2]: a wheel on the worst roads has half of it, a body a tenth.
+MOST_SHAKEN: MetrePerSecond2 = 100.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -106,6 +108,18 @@ def said_of(shaken: Shaken, *, by_vibration: bool) -> list[Check]:
     if not (by_vibration and shaken.unknown):
         return []
     return [Check(Remark(DriveRemark.NO_UNIT, {"channels": shaken.unknown}), Level.NOTE)]
+
+
+def said_of_level(course: Sequence[RealArray]) -> list[Check]:
+    """Return what is to be said where a car cannot shake so; ``course`` has the vibration of each block last.
+
+    Examples
+    --------
+    >>> [len(said_of_level([np.array([[0.0, 20.0, level]])])) for level in (20.0, 1000.0)]
+    [0, 1]
+    """
+    usual = float(np.median(np.concatenate(course)[:, 2])) if course else 0.0
+    return [Check(Remark(DriveRemark.TOO_STRONG, {"level": usual}), Level.CARE)] if usual > MOST_SHAKEN else []
 
 
 def said_of_units(recording: Recording, shaken: Shaken) -> list[Check]:

@@ -17,7 +17,7 @@ from suspid.greybox.road_model import road_model
 from suspid.greybox.tire_fit import State, TireProblem
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_power import MOMENTS
-from suspid.units import Metre, RealArray
+from suspid.units import Metre, Ratio, RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
@@ -37,7 +37,7 @@ class Followed:
     covariance: RealArray  # (unknown, unknown)
     across: RealArray  # (unknown, unknown of the first step): covariance with them
     by_found: RealArray  # (unknown, unknown of the first step): change with them
-    check: Check
+    checks: tuple[Check, ...]
 
 
 def followed(
@@ -49,15 +49,14 @@ def followed(
     trials: Sequence[Trial],
     speeds: Sequence[RealArray],
     *,
-    behind: Behind,
+    behind: Sequence[Behind],
     radius: Metre | None,
-) -> Followed | Check:
-    """Return what both axles say, from the fits of each ``alone``; a check where nothing comes of it."""
+) -> Followed | tuple[Check, ...]:
+    """Return what both axles say, from the fits of each ``alone``; checks where nothing comes of it."""
     slowest = STANDING * float(np.median(np.concatenate(list(speeds))))
     models, first = [], []
     for number, levels in enumerate(found.levels):
         source = problem.sources[number]
-        maps = MapProblem(problem=problem, number=number, tires=whole.unknowns, roads=(behind.front, behind.rear))
         track = next(m.track for m in whole.models if m.track.source == number)
         band = (float(track.hertz[0]), float(track.hertz[-1]))
         records = [
@@ -69,42 +68,68 @@ def followed(
             continue
         moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * track.samples).astype(int)
         own = replace(track, power=np.zeros((len(cut), len(track.hertz))), speeds=np.array(cut)[:, moments])
-        model = axle_model(maps, z, levels, records, road_model(own, radius=radius))
+        road = road_model(own, radius=radius)
         by_wheel = {
             m.track.wheel: one for m, one in zip(whole.models, alone.roads, strict=True) if m.track.source == number
         }
-        models.append(model)
-        first.append(model.first(*(by_wheel[wheel] for wheel in behind.wheels)))
-    count = sum(model.stretches for model in models)
+        for pair in behind:
+            roads = (pair.front, pair.rear)
+            others = (i for i in range(len(whole.unknowns.car.roads)) if i not in roads)
+            maps = MapProblem(problem=problem, number=number, tires=whole.unknowns, roads=(*roads, *others))
+            models.append(axle_model(pair, maps, z, levels, records, road))
+            first.append(models[-1].first(*(by_wheel[wheel] for wheel in pair.wheels)))
+    count = sum(model.stretches for model in models) // len(behind)
     if count < FEWEST_BEHIND:
-        return Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST_BEHIND}), Level.CARE)
+        return (Check(Remark(EstimateCheck.FEW_BEHIND, {"count": count, "fewest": FEWEST_BEHIND}), Level.CARE),)
     values, vectors = np.linalg.eigh(found.covariance)
     # What the first step knows to rounding, such as a mount on its bound, stays.
     keep = values > 1e-12 * values[-1]
     spread = vectors[:, keep] * np.sqrt(values[keep])
     free = z if found.pull is None else z + found.pull
-    asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=free, spread=spread, lag=behind.lag)
-    start, coherence = first_state(asked, alone.x, first)
-    names: dict[str, Number] = {
-        "rear": whole.unknowns.car.roads[behind.rear],
-        "front": whole.unknowns.car.roads[behind.front],
-    }
-    names |= {"coherence": max(0.0, coherence), "least": ONE_TRACK}
-    if coherence < NO_TRACK:
-        return Check(Remark(EstimateCheck.NOT_BEHIND, names), Level.CARE)
+    asked = AxleProblem(models=tuple(models), unknowns=whole.unknowns, found=free, spread=spread)
+    start, in_phase = first_state(asked, alone.x, first)
+    apart = _apart(asked, behind, _by_pair(models, behind, in_phase), NO_TRACK)
+    if apart:
+        return apart
     fit = fit_axles(asked, start)
-    names |= {"coherence": _coherence(models, fit), "lag": fit.lag, "std": fit.lag_std}
-    if _coherence(models, fit) < ONE_TRACK:
-        return Check(Remark(EstimateCheck.NOT_BEHIND, names), Level.CARE)
+    shared = [m.shared(own) for m, own in zip(models, fit.state.own, strict=True)]
+    coherence = _by_pair(models, behind, shared)
+    apart = _apart(asked, behind, coherence, ONE_TRACK)
+    if apart:
+        return apart
     return Followed(
         x=fit.state.x,
         covariance=fit.covariance,
         across=fit.by_found @ spread.T,
         by_found=fit.by_found @ np.linalg.pinv(spread),
-        check=Check(Remark(EstimateCheck.BEHIND, names), Level.NOTE),
+        checks=tuple(_together(asked, fit, pair, one) for pair, one in zip(behind, coherence, strict=True)),
     )
 
 
-def _coherence(models: Sequence[AxleModel], fit: AxleFit) -> float:
-    """Return the median coherence of the two roads."""
-    return float(np.median([np.median(m.shared(own)) for m, own in zip(models, fit.state.own, strict=True)]))
+def _by_pair(models: Sequence[AxleModel], behind: Sequence[Behind], shared: Sequence[RealArray]) -> list[float]:
+    """Return the median coherence of the two roads of each pair."""
+    every = [[one.ravel() for m, one in zip(models, shared, strict=True) if m.behind is pair] for pair in behind]
+    return [float(np.median(np.concatenate(some))) for some in every]
+
+
+def _names(problem: AxleProblem, pair: Behind, coherence: float) -> dict[str, Number]:
+    roads = problem.unknowns.car.roads
+    return {"rear": roads[pair.rear], "front": roads[pair.front], "coherence": max(0.0, coherence)}
+
+
+def _apart(
+    problem: AxleProblem, behind: Sequence[Behind], coherence: Sequence[float], least: Ratio
+) -> tuple[Check, ...]:
+    """Return what is said of the pairs whose roads are not one."""
+    return tuple(
+        Check(Remark(EstimateCheck.NOT_BEHIND, {**_names(problem, pair, one), "least": ONE_TRACK}), Level.CARE)
+        for pair, one in zip(behind, coherence, strict=True)
+        if one < least
+    )
+
+
+def _together(problem: AxleProblem, fit: AxleFit, pair: Behind, coherence: float) -> Check:
+    """Return what is said of a pair whose roads are one."""
+    lag = pair.lag * float(np.exp(fit.state.log_lag))
+    names = {**_names(problem, pair, coherence), "lag": lag, "std": lag * fit.log_lag_std}
+    return Check(Remark(EstimateCheck.BEHIND, names), Level.NOTE)

@@ -80,7 +80,7 @@ def fit_with_road(
     mounts: Sequence[str] | None,
     band: tuple[Hertz, Hertz] | None,
     stretch: Second | None,
-    behind: Behind | None = None,
+    behind: Sequence[Behind] = (),
 ) -> Fit:
     """Return the best car; ``beyond`` are the struts between given motion and road.
 
@@ -127,20 +127,20 @@ def fit_with_road(
     # How the fit moves with the unknowns of the first step.
     carried = fit.by_suspension @ _by_unknown(problem)
     every = fit.covariance + carried @ found.covariance @ carried.T
-    roads, checks = _roads(whole, fit, every), []
+    roads, checks = _roads(whole, fit, every), list[Check]()
     count, size = len(second), len(unknowns) + len(found.extras)
     rest = np.array(second, int)
     place = np.array([*first, *range(len(unknowns), size)], int)
     covariance = np.zeros((size, size))
     own, moved = every[:count, :count], carried[:count]
     across = moved @ found.covariance
-    if behind is not None and rolling.speeds is not None:
+    if behind and rolling.speeds is not None:
         both = followed(
             problem, found, z, whole, fit.state, trials, rolling.speeds, behind=behind, radius=rolling.radius
         )
         if isinstance(both, Followed):
             x[second], own, across, moved = both.x, both.covariance, both.across, both.by_found
-        checks.append(both.check if isinstance(both, Followed) else both)
+        checks += both.checks if isinstance(both, Followed) else both
     covariance[np.ix_(place, place)] = found.covariance
     covariance[np.ix_(rest, place)] = across
     covariance[np.ix_(place, rest)] = across.T

@@ -20,7 +20,7 @@ PER_SECOND = {
     **dict.fromkeys(("day", "days"), 1 / 86400),
 }
 # Of these, units that stand behind a name of time without a mark between, as in TimeMs. Others make other words.
-JOINED = re.compile(r"(t|time|timestamp|zeit)(ms|msec|us|usec)")
+JOINED = re.compile(r"(t|time|timestamp|uptime|zeit)(ms|msec|us|usec|millis|micros|nanos)")
 # Names of the frequencies of a spectrum; with their unit also f.
 FREQUENCIES = {"freq", "frequency", "frequencies", "frequenz", "frequenzen", "hz"}
 # These units as a message lists them.
@@ -29,7 +29,9 @@ KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
 TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
-TIME_NAMES |= {"timeelapsed"} | ({name for name in PER_SECOND if len(name) > 2} - DATE_PARTS)
+TIME_NAMES |= {"timeelapsed", "timesincestart", "uptime"} | (
+    {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
+)
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
 RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
@@ -123,8 +125,8 @@ def split_unit(name: str) -> tuple[str, str]:
     --------
     >>> split_unit("Time [ms]"), split_unit("t_s"), split_unit("Time_domain")
     (('time', 'ms'), ('t', 's'), ('timedomain', ''))
-    >>> split_unit("Zeit in ms"), split_unit("time.ms"), split_unit("TimeMs")
-    (('zeit', 'ms'), ('time', 'ms'), ('time', 'ms'))
+    >>> split_unit("Zeit in ms"), split_unit("time.ms"), split_unit("TimeMs"), split_unit("uptimeNanos")
+    (('zeit', 'ms'), ('time', 'ms'), ('time', 'ms'), ('uptime', 'nanos'))
     """
     # A number behind a name that occurs twice is none of its own.
     lowered = re.sub(r"\s+\(\d+\)$", "", plain(name)).lower()

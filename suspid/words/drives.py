@@ -88,8 +88,8 @@ class DriveReason(Code):
         "not on a road: at {speed:.3g} m/s the body vibrates with only {level:.2g} m/s2 (limit {limit:g} m/s2), as on "
         "a roller bench",
     )
-    BRAKING = "braking", "braking or accelerating with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
-    CORNERING = "cornering", "cornering with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
+    BRAKING = "braking", "braking or accelerating with up to {most:.3g} m/s2 (limit {limit:g} m/s2)"
+    CORNERING = "cornering", "cornering with up to {most:.3g} m/s2 (limit {limit:g} m/s2)"
     SHORT = "short", "usable, but only {length:.3g} s long (minimum {least:g} s)"
     BRIEF = "brief", "{length:.2g} s are too short for a drive: it is judged in blocks of {block:g} s"
 
@@ -142,6 +142,11 @@ class DriveRemark(Code):
     )
     NO_UNIT = "no unit", sentence(_no_unit)
     UNKNOWN_UNIT = "unknown unit", sentence(_unknown_unit)
+    TOO_STRONG = (
+        "too strong",
+        "The usual vibration is {level:.2g} m/s2, which no car has: the unit of a channel is wrong, such as g for "
+        "thousandths of g. Frequencies do not depend on it; which stretches were taken does.",
+    )
     NO_MOTION = (
         "no motion",
         sentence(
@@ -168,6 +173,11 @@ class DriveRemark(Code):
                 f"the road. Only frequencies of the body are found."
             )
         ),
+    )
+    NO_DELAY = (
+        "no delay",
+        "The speed is not known throughout, so neither is the delay between the axles: tires and wheel masses are "
+        "those of each axle by itself.",
     )
     NO_SPRINGS = "no springs", "Springs and dampers were not found: {why}."
     NO_FREQUENCIES = "no frequencies", "The frequencies of the body were not found: {why}."
