@@ -42,6 +42,7 @@ class Transition:
     G: RealArray  # (state, input coefficient)
     by_state: RealArray  # (parameter, state, state): derivatives of E
     by_input: RealArray  # (parameter, state, input coefficient): derivatives of G
+    shift: RealArray  # (input coefficient, input coefficient): those of a polynomial one step later
 
 
 def plant_of(
@@ -133,4 +134,5 @@ def transition(plant: Plant, step: Second) -> Transition:
         G=power[:size, size:],
         by_state=slopes[:, :, :size],
         by_input=slopes[:, :, size:],
+        shift=power[size:, size:],
     )

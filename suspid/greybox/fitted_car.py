@@ -14,7 +14,6 @@ from suspid.greybox.axle_data import behind_of
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
-from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import changed_check, far_or_vague, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
@@ -23,6 +22,7 @@ from suspid.greybox.parameter_ends import Spread, changed
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
+from suspid.greybox.sensors_asked import further_asked
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.whole_car import check_road, fit_with_road
@@ -104,7 +104,7 @@ def fitted_car(
         options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}
         fit = fit_drives(suspension, trials, unknowns, delays=asked.delays, band=asked.band_hz, options=options)
     else:
-        unknowns = further_asked(unknowns, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
+        unknowns, trials = further_asked(unknowns, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
         fit, trials = _in_time(trials, unknowns, onsets=onsets and not any(len(trial.inputs) for trial in trials))
     u = unknowns
     parameters = (*u.names, *fit.extras)

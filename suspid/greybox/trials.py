@@ -50,11 +50,17 @@ class Trial:
     unused: tuple[str, ...]  # channels that measure nothing of the suspension
     logger: str | None = None
     causes: tuple[str, ...] = ()  # names of the inputs, or of the channels that show given motion alone
+    margin: int = 0  # samples by which the inputs begin before the channels, and end behind them
 
     @property
     def known(self) -> dict[str, RealArray]:
         """The inputs by name."""
-        return dict(zip(self.causes, self.inputs, strict=False))
+        return dict(zip(self.causes, self.inputs_beside, strict=False))
+
+    @property
+    def inputs_beside(self) -> RealArray:
+        """The inputs at the samples of the channels."""
+        return self.inputs[:, self.margin : self.margin + self.count]
 
     @property
     def count(self) -> int:
@@ -63,7 +69,14 @@ class Trial:
 
     def first(self, count: int) -> Trial:
         """Return the first samples alone."""
-        return replace(self, values=self.values[:, :count], inputs=self.inputs[:, :count])
+        return replace(self, values=self.values[:, :count], inputs=self.inputs[:, : count + 2 * self.margin])
+
+    def within(self, margin: int) -> Trial:
+        """Return the channels without some samples at both ends, where the inputs stay."""
+        if not margin:
+            return self
+        values = self.values[:, margin : self.count - margin]
+        return replace(self, values=values, margin=margin, start=self.start + margin * self.step)
 
 
 def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> tuple[Trial, ...]:
@@ -203,7 +216,7 @@ def input_pieces(trial: Trial, hold: Hold) -> tuple[RealArray, RealArray]:
 
     An input that is held steps at the samples: the jumps (sample, input) are those at the end of each step.
     """
-    count, size = trial.count, len(trial.inputs)
+    count, size = trial.count + 2 * trial.margin, len(trial.inputs)
     pieces, jumps = np.zeros((count, size, 4)), np.zeros((count, size))
     u, h = trial.inputs.T, trial.step
     pieces[:, :, 0] = u
