@@ -28,10 +28,10 @@ class Clocks:
     margin: int  # samples of the inputs that are needed beside those of the channels
 
 
-def clear_lag(score: RealArray, count: int, period: float) -> int:
+def clear_lag(score: RealArray, count: int, period: float, *, apart: float | None = None) -> int:
     """Return the lag [samples] of the best score of lags 0, 1, … and …, -1 of records of ``count`` samples.
 
-    0 if that is within a period, or no better than others.
+    0 if that is within a period, or no better than others, which are ``apart`` by a period unless more is stated.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def clear_lag(score: RealArray, count: int, period: float) -> int:
     lags = np.fft.fftfreq(len(score), 1 / len(score)).astype(int)
     looked = np.abs(lags) <= LONGEST_LAG * count
     best = int(lags[looked][np.argmax(score[looked])])
-    others = looked & (np.abs(lags - best) > period)
+    others = looked & (np.abs(lags - best) > (period if apart is None else apart))
     clear = score[best] > CLEARLY_BEST * np.max(score[others], initial=0.0)
     return best if clear and abs(best) > period else 0
 
@@ -59,7 +59,12 @@ def clocks_of(trial: Trial, expected: RealArray, late: Sequence[int], highest: H
         shown, seen = (
             np.fft.rfft(row - np.mean(row), 2 * trial.count) for row in (expected[channel], trial.values[channel])
         )
-        lags[channel] = clear_lag(np.fft.irfft(seen * shown.conj(), 2 * trial.count) ** 2, trial.count, period)
+        common = seen * shown.conj()
+        common[np.fft.rfftfreq(2 * trial.count, trial.step) > highest] = 0
+        # All lines that show something count alike: by their power a resonance would, which agrees at many lags.
+        common /= np.abs(common) + np.median(np.abs(common[common != 0])) + np.finfo(float).tiny
+        score = np.fft.irfft(common, 2 * trial.count) ** 2
+        lags[channel] = clear_lag(score, trial.count, period, apart=REACH * period)
     reach = int(np.clip(REACH * period, 1, max(1.0, MOST_MARGIN * trial.count)))
     return Clocks(
         about=lags * trial.step,

@@ -3,36 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from suspid.cleaning import RecordLike
-from suspid.errors import EstimationError, InputError
+from suspid.errors import InputError
 from suspid.greybox.axle_data import behind_of
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
+from suspid.greybox.fitted_in_time import fitted_in_time
 from suspid.greybox.judgement import changed_check, far_or_vague, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
-from suspid.greybox.onset import from_onset
 from suspid.greybox.parameter_ends import Spread, changed
-from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
-from suspid.greybox.sensors_asked import further_asked
-from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
-from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
+from suspid.reconstruction import Bounds, parameter_names, unknowns_of
 from suspid.records import as_response
 from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
 from suspid.wording import Argument
-from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 
@@ -104,8 +100,8 @@ def fitted_car(
         options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}
         fit = fit_drives(suspension, trials, unknowns, delays=asked.delays, band=asked.band_hz, options=options)
     else:
-        unknowns, trials = further_asked(unknowns, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
-        fit, trials = _in_time(trials, unknowns, onsets=onsets and not any(len(trial.inputs) for trial in trials))
+        sensors = {"gains": asked.gains, "delays": asked.delays, "mounts": asked.mounts}
+        fit, trials, unknowns = fitted_in_time(trials, unknowns, sensors, onsets=onsets)
     u = unknowns
     parameters = (*u.names, *fit.extras)
     turned = np.zeros((len(parameters), len(fit.covariance)))
@@ -165,40 +161,6 @@ def fitted_car(
         causes=tuple(trial.causes for trial in trials),
         band_hz=fit.band,
     )
-
-
-def _in_time(trials: tuple[Trial, ...], unknowns: Unknowns, *, onsets: bool) -> tuple[Fit, tuple[Trial, ...]]:
-    """Return the fit of decays or of motion under known causes; with ``onsets``, from where the decays begin.
-
-    That is if it is nearer to an explanation than a fit of the whole records, or if these have none.
-    """
-    try:
-        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
-    except EstimationError:
-        later = from_onset(trials) if onsets else None
-        if later is None:
-            raise
-        found = _of_decays(later, unknowns)
-        if found is None:
-            raise
-        return found, later
-    later = from_onset(trials) if onsets and not fit.explains else None
-    found = None if later is None else _of_decays(later, unknowns)
-    if later is None or found is None:
-        return fit, trials
-    if not found.explains and found.chi_square / max(found.freedom, 1) > fit.chi_square / max(fit.freedom, 1):
-        return fit, trials
-    return found, later
-
-
-def _of_decays(later: tuple[Trial, ...], unknowns: Unknowns) -> Fit | None:
-    """Return the fit of decays that were cut out of records; None where they do not determine the car."""
-    try:
-        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
-    except EstimationError:
-        return None
-    numbers: dict[str, Number] = {"starts": ", ".join(f"{trial.start:.6g}" for trial in later)}
-    return replace(found, checks=(*found.checks, Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)))
 
 
 def _driven(fit: Fit, trials: Sequence[Trial]) -> list[Check]:

@@ -150,9 +150,7 @@ def _seen(plant: Plant, trial: Trial, n: int, sensing: Sensing) -> _Seen:
                 [rate[row, :size] @ later.E, rate[row, :size] @ later.G + rate[row, size:] @ later.shift]
             )
     gains = sensing.gains[:, None]
-    return _Seen(
-        C=C * gains, D=D * gains, slopes=slopes * gains[:, :, None], rate=rate * gains, first=tuple(first)
-    )
+    return _Seen(C=C * gains, D=D * gains, slopes=slopes * gains[:, :, None], rate=rate * gains, first=tuple(first))
 
 
 def _by_sensing(seen: _Seen, whole: RealArray, sensing: Sensing) -> RealArray:

@@ -16,6 +16,8 @@ from suspid.reconstruction import Unknowns, parameter_vector
 from suspid.values import listed
 from suspid.wording import Argument
 
+Names = dict[str, tuple[str, ...]]  # of channels or struts, by kind
+
 
 def further_asked(
     unknowns: Unknowns,
@@ -34,7 +36,6 @@ def further_asked(
     InputError
         If a name is unknown, or delays are asked for that cannot be found.
     """
-    struts = [s.name for s in unknowns.car.struts]
     damped = [s.name for s in unknowns.car.struts if s.damping > 0]
     channels = tuple(dict.fromkeys(c for trial in trials for c in (*trial.channels, *trial.known)))
     high, late = chosen_of("gains", gains, channels, ()), chosen_of("delays", delays, channels, ())
@@ -42,17 +43,34 @@ def further_asked(
         _check_inputs(argument, names, trials)
     for trial in trials:
         check_delays(late, (*trial.channels, *trial.known))
-    late_places = _places(late, trials)
+    return with_sensors(unknowns, trials, gains=high, delays=late, mounts=chosen_of("mounts", mounts, damped, ()))
+
+
+def with_sensors(
+    unknowns: Unknowns, trials: Sequence[Trial], *, gains: Sequence[str], delays: Sequence[str], mounts: Sequence[str]
+) -> tuple[Unknowns, tuple[Trial, ...]]:
+    """Return what `further_asked` does, for names that are known."""
+    struts, late_places = [s.name for s in unknowns.car.struts], _places(delays, trials)
     about = [_clocks(unknowns, trial, i, late_places) for i, trial in enumerate(trials)]
     free = with_further(
         unknowns,
-        mounts=[struts.index(name) for name in chosen_of("mounts", mounts, damped, ())],
-        gains=_places(high, trials),
+        mounts=[struts.index(name) for name in mounts],
+        gains=_places(gains, trials),
         delays=late_places,
         about=[_looked_for(about[test], channel) for _, (test, channel) in late_places],
     )
     kept = [trial if one is None else trial.within(one.margin) for trial, one in zip(trials, about, strict=True)]
     return free, tuple(kept)
+
+
+def clearly_late(unknowns: Unknowns, trials: Sequence[Trial]) -> tuple[str, ...]:
+    """Return the channels that are late or early by more than a fit finds from none, beside known inputs."""
+    names: list[str] = []
+    for i, trial in enumerate(trials):
+        clocks = _clocks(unknowns, trial, i, [(name, (i, c)) for c, name in enumerate(trial.channels)])
+        if clocks is not None:
+            names += [name for name, lag in zip(trial.channels, clocks.about, strict=True) if lag]
+    return tuple(dict.fromkeys(names))
 
 
 def _places(names: Sequence[str], trials: Sequence[Trial]) -> list[tuple[str, Place]]:

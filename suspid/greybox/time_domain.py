@@ -90,6 +90,7 @@ def fit_in_time(problem: Problem) -> Fit:
         explains=explains,
         alternatives=tuple(u.suspension(other.x) for other in others),
         checks=tuple(checks),
+        holds=problem.holds,
     )
 
 

@@ -51,6 +51,7 @@ class Trial:
     logger: str | None = None
     causes: tuple[str, ...] = ()  # names of the inputs, or of the channels that show given motion alone
     margin: int = 0  # samples by which the inputs begin before the channels, and end behind them
+    uncut: RealArray | None = None  # the channels beside all of the inputs, where these begin before
 
     @property
     def known(self) -> dict[str, RealArray]:
@@ -69,14 +70,23 @@ class Trial:
 
     def first(self, count: int) -> Trial:
         """Return the first samples alone."""
-        return replace(self, values=self.values[:, :count], inputs=self.inputs[:, : count + 2 * self.margin])
+        values, inputs = self.values[:, :count], self.inputs[:, : count + 2 * self.margin]
+        return replace(self, values=values, inputs=inputs, uncut=None)
 
     def within(self, margin: int) -> Trial:
         """Return the channels without some samples at both ends, where the inputs stay."""
         if not margin:
             return self
-        values = self.values[:, margin : self.count - margin]
-        return replace(self, values=values, margin=margin, start=self.start + margin * self.step)
+        values, start = self.values[:, margin : self.count - margin], self.start + margin * self.step
+        return replace(self, values=values, uncut=self.values, margin=margin, start=start)
+
+    @property
+    def whole(self) -> Trial:
+        """The trial with the channels beside all of the inputs."""
+        if self.uncut is None:
+            return self
+        start = self.start - self.margin * self.step
+        return replace(self, values=self.uncut, uncut=None, margin=0, start=start)
 
 
 def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> tuple[Trial, ...]:

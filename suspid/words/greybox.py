@@ -59,13 +59,6 @@ def _unexplained(numbers: Numbers) -> str:
                 f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known: the car colours the "
                 f"noise of {'its sensor' if one else 'their sensors'}, and the intervals do not allow for it in full."
             )
-    if "inputs" in numbers:
-        # Delays cannot be estimated under known causes.
-        return (
-            f"{said} Estimate what may be missing as well: mounts of dampers and gains of channels "
-            f"({Argument('mounts', '…')}, {Argument('gains', '…')}); shift channels that are "
-            f"late, or give the motion of the wheels instead; or describe another mass."
-        )
     return (
         f"{said} Estimate what may be missing as "
         f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
@@ -162,6 +155,13 @@ class EstimateCheck(Code):
         "onset",
         "The records begin before the free decay, at rest or still being pushed: used from {starts} s on, to where the "
         "decay ends.",
+    )
+    NEEDED = (
+        "needed",
+        _listed(
+            "Estimated as well, because the records are not explained without: {names}. Where a sensor is known to be "
+            "right, hold its gain at 1 and its delay at 0, and look for what the car lacks."
+        ),
     )
     UNITS = (
         "units",

@@ -1,0 +1,84 @@
+"""Records in the time domain: as they are or from where decays begin, with what else they need."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+from suspid.errors import EstimationError
+from suspid.greybox.fits import Fit
+from suspid.greybox.further import KINDS
+from suspid.greybox.onset import from_onset
+from suspid.greybox.problem import Problem, default_holds
+from suspid.greybox.sensors_asked import clearly_late, further_asked, with_sensors
+from suspid.greybox.sensors_needed import said_so, with_needed
+from suspid.greybox.time_domain import fit_in_time
+from suspid.greybox.trials import Trial
+from suspid.reconstruction import Unknowns
+from suspid.words import Check, Level, Number, Remark
+from suspid.words.greybox import EstimateCheck
+
+
+def fitted_in_time(
+    trials: tuple[Trial, ...],
+    bare: Unknowns,
+    asked: dict[str, Sequence[str] | None],
+    *,
+    onsets: bool,
+) -> tuple[Fit, tuple[Trial, ...], Unknowns]:
+    """Return the fit of decays or of motion under known causes, its trials and its unknowns.
+
+    ``bare`` are the unknowns of the car alone; what is ``asked`` by kind of `KINDS` is added, and where nothing is,
+    what the records need. With ``onsets``, decays are looked for in records that are none from the start.
+    """
+    unknowns, cut = further_asked(bare, trials, **asked)
+    chosen = {kind: (one,) if isinstance(one := asked[kind] or (), str) else tuple(one) for kind in KINDS}
+    free = [kind for kind in KINDS if asked[kind] is None]
+    late = clearly_late(bare, trials) if "delays" in free else ()
+    if late:
+        # Channels that are late by cycles lead a fit without their delays astray.
+        wider = with_sensors(bare, trials, **{**chosen, "delays": late})
+        problem = Problem(trials=wider[1], holds=default_holds(wider[1]), unknowns=wider[0])
+        with suppress(EstimationError):
+            fit, problem = with_needed(fit_in_time(problem), problem, bare, {**chosen, "delays": late}, free)
+            if fit.explains:
+                return said_so(fit, problem, unknowns), problem.trials, problem.unknowns
+    fit, cut = _with_onsets(cut, unknowns, onsets=onsets and not any(len(trial.inputs) for trial in cut))
+    problem = Problem(trials=cut, holds=fit.holds, unknowns=unknowns)
+    fit, problem = with_needed(fit, problem, bare, chosen, free)
+    return fit, problem.trials, problem.unknowns
+
+
+def _with_onsets(trials: tuple[Trial, ...], unknowns: Unknowns, *, onsets: bool) -> tuple[Fit, tuple[Trial, ...]]:
+    """Return the fit of decays or of motion under known causes; with ``onsets``, from where the decays begin.
+
+    That is if it is nearer to an explanation than a fit of the whole records, or if these have none.
+    """
+    try:
+        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
+    except EstimationError:
+        later = from_onset(trials) if onsets else None
+        if later is None:
+            raise
+        found = _of_decays(later, unknowns)
+        if found is None:
+            raise
+        return found, later
+    later = from_onset(trials) if onsets and not fit.explains else None
+    found = None if later is None else _of_decays(later, unknowns)
+    if later is None or found is None:
+        return fit, trials
+    if not found.explains and found.chi_square / max(found.freedom, 1) > fit.chi_square / max(fit.freedom, 1):
+        return fit, trials
+    return found, later
+
+
+def _of_decays(later: tuple[Trial, ...], unknowns: Unknowns) -> Fit | None:
+    """Return the fit of decays that were cut out of records; None where they do not determine the car."""
+    try:
+        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
+    except EstimationError:
+        return None
+    numbers: dict[str, Number] = {"starts": ", ".join(f"{trial.start:.6g}" for trial in later)}
+    return replace(found, checks=(*found.checks, Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)))
