@@ -13,7 +13,7 @@ from suspid.greybox.axle_data import behind_of
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
-from suspid.greybox.fitted_in_time import fitted_in_time
+from suspid.greybox.fitted_in_time import SensorsAsked, fitted_in_time
 from suspid.greybox.judgement import changed_check, far_or_vague, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
@@ -44,6 +44,7 @@ class Asked(NamedTuple):
     gains: Sequence[str] | None = None
     delays: Sequence[str] | None = None
     mounts: Sequence[str] | None = None
+    noisy: Sequence[str] | None = None
     band_hz: tuple[Hertz, Hertz] | None = None
     stretch: Second | None = None
     road: Literal["iso8608"] | None = None
@@ -77,7 +78,7 @@ def fitted_car(
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as ",
             Argument("nominal_std"),
         )
-    if not any(driven):
+    if not any(driven) and not asked.noisy:
         _check_unused({"band_hz": asked.band_hz, "stretch": asked.stretch})
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
@@ -100,7 +101,7 @@ def fitted_car(
         options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}
         fit = fit_drives(suspension, trials, unknowns, delays=asked.delays, band=asked.band_hz, options=options)
     else:
-        sensors = {"gains": asked.gains, "delays": asked.delays, "mounts": asked.mounts}
+        sensors = SensorsAsked(asked.gains, asked.delays, asked.mounts, asked.noisy, asked.band_hz, asked.stretch)
         fit, trials, unknowns = fitted_in_time(trials, unknowns, sensors, onsets=onsets)
     u = unknowns
     parameters = (*u.names, *fit.extras)
@@ -165,7 +166,7 @@ def fitted_car(
 
 def _driven(fit: Fit, trials: Sequence[Trial]) -> list[Check]:
     """Return what is said of records that count as free decays, are not explained and do not die down."""
-    free = all(not trial.wheels and not len(trial.inputs) for trial in trials)
+    free = all(not trial.causes for trial in trials)
     if not free or fit.explains or any(dies_down(trial.values) for trial in trials):
         return []
     each = [channel for trial in trials for channel in trial.channels]

@@ -5,38 +5,68 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import NamedTuple
 
 from suspid.errors import EstimationError
 from suspid.greybox.fits import Fit
-from suspid.greybox.further import KINDS
+from suspid.greybox.further import KINDS, chosen_of
+from suspid.greybox.noisy_inputs import noise_told, with_noise_of_inputs
 from suspid.greybox.onset import from_onset
 from suspid.greybox.problem import Problem, default_holds
-from suspid.greybox.sensors_asked import clearly_late, further_asked, with_sensors
-from suspid.greybox.sensors_needed import said_so, with_needed
+from suspid.greybox.sensors_asked import Names, clearly_late, further_asked, with_sensors
+from suspid.greybox.sensors_needed import leaves_something, said_so, with_needed
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial
 from suspid.reconstruction import Unknowns
+from suspid.units import Hertz, Second
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
 
+class SensorsAsked(NamedTuple):
+    """What is asked of sensors, as arguments of `estimate`."""
+
+    gains: Sequence[str] | None
+    delays: Sequence[str] | None
+    mounts: Sequence[str] | None
+    noisy: Sequence[str] | None
+    band: tuple[Hertz, Hertz] | None
+    stretch: Second | None
+
+    @property
+    def chosen(self) -> Names:
+        """The names that are asked for, by kind."""
+        given = {"mounts": self.mounts, "gains": self.gains, "delays": self.delays}
+        return {kind: (one,) if isinstance(one := given[kind] or (), str) else tuple(one) for kind in KINDS}
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """The kinds of which nothing is asked, so that what the records need may be added."""
+        given = {"mounts": self.mounts, "gains": self.gains, "delays": self.delays}
+        return tuple(kind for kind in KINDS if given[kind] is None)
+
+
 def fitted_in_time(
-    trials: tuple[Trial, ...],
-    bare: Unknowns,
-    asked: dict[str, Sequence[str] | None],
-    *,
-    onsets: bool,
+    trials: tuple[Trial, ...], bare: Unknowns, asked: SensorsAsked, *, onsets: bool
 ) -> tuple[Fit, tuple[Trial, ...], Unknowns]:
     """Return the fit of decays or of motion under known causes, its trials and its unknowns.
 
-    ``bare`` are the unknowns of the car alone; what is ``asked`` by kind of `KINDS` is added, and where nothing is,
-    what the records need. With ``onsets``, decays are looked for in records that are none from the start.
+    ``bare`` are the unknowns of the car alone; what is asked of sensors is added, and where nothing is, what the
+    records need. With ``onsets``, decays are looked for in records that are none from the start.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, or what is asked cannot be found.
     """
-    unknowns, cut = further_asked(bare, trials, **asked)
-    chosen = {kind: (one,) if isinstance(one := asked[kind] or (), str) else tuple(one) for kind in KINDS}
-    free = [kind for kind in KINDS if asked[kind] is None]
-    late = clearly_late(bare, trials) if "delays" in free else ()
-    if late:
+    chosen, free = asked.chosen, asked.free
+    unknowns, cut = further_asked(bare, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
+    known = tuple(dict.fromkeys(name for trial in trials for name in trial.known))
+    if chosen_of("noisy", asked.noisy, known, ()):
+        found = with_noise_of_inputs(trials, bare, chosen, free, band=asked.band, stretch=asked.stretch, demanded=True)
+        assert found is not None
+        return *found, bare
+    if "delays" in free and (late := clearly_late(bare, trials)):
         # Channels that are late by cycles lead a fit without their delays astray.
         wider = with_sensors(bare, trials, **{**chosen, "delays": late})
         problem = Problem(trials=wider[1], holds=default_holds(wider[1]), unknowns=wider[0])
@@ -44,8 +74,13 @@ def fitted_in_time(
             fit, problem = with_needed(fit_in_time(problem), problem, bare, {**chosen, "delays": late}, free)
             if fit.explains:
                 return said_so(fit, problem, unknowns), problem.trials, problem.unknowns
-    fit, cut = _with_onsets(cut, unknowns, onsets=onsets and not any(len(trial.inputs) for trial in cut))
+    fit, cut = _with_onsets(cut, unknowns, onsets=onsets and not known)
     problem = Problem(trials=cut, holds=fit.holds, unknowns=unknowns)
+    may_be_noisy = asked.noisy is None and all(len(trial.inputs) for trial in trials)
+    if may_be_noisy and leaves_something(fit) and noise_told(trials, bare, chosen, unknowns, fit):
+        found = with_noise_of_inputs(trials, bare, chosen, free)
+        if found is not None:
+            return *found, bare
     fit, problem = with_needed(fit, problem, bare, chosen, free)
     return fit, problem.trials, problem.unknowns
 

@@ -63,6 +63,14 @@ def with_sensors(
     return free, tuple(kept)
 
 
+def possible(trials: Sequence[Trial], unknowns: Unknowns, chosen: Names, free: Sequence[str]) -> Names:
+    """Return what is chosen and all that is possible of the kinds ``free``."""
+    damped = tuple(s.name for s in unknowns.car.struts if s.damping > 0 and s.mount_stiffness is None)
+    channels = tuple(dict.fromkeys(channel for trial in trials for channel in trial.channels))
+    every = {kind: damped if kind == "mounts" else channels for kind in free}
+    return {kind: tuple(dict.fromkeys((*chosen[kind], *every.get(kind, ())))) for kind in chosen}
+
+
 def clearly_late(unknowns: Unknowns, trials: Sequence[Trial]) -> tuple[str, ...]:
     """Return the channels that are late or early by more than a fit finds from none, beside known inputs."""
     names: list[str] = []

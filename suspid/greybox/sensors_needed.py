@@ -14,7 +14,7 @@ from suspid.greybox.fits import Fit
 from suspid.greybox.further import KINDS, RIGID, label
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.search import descended
-from suspid.greybox.sensors_asked import Names, with_sensors
+from suspid.greybox.sensors_asked import Names, possible, with_sensors
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial
 from suspid.levels import likely
@@ -32,7 +32,7 @@ def with_needed(fit: Fit, problem: Problem, bare: Unknowns, asked: Names, free: 
     What is not asked for is added one by one: what explains most of the residual, until nothing explains more of it
     than chance. ``bare`` are the unknowns of the car alone, ``free`` the kinds of `KINDS` that may be added.
     """
-    if any(check.remark.code in NOTHING_LEFT for check in fit.checks) or not free:
+    if not leaves_something(fit) or not free:
         return fit, problem
     if not fit.explains and not all(len(trial.inputs) or dies_down(trial.values) for trial in problem.trials):
         return fit, problem
@@ -48,6 +48,11 @@ def with_needed(fit: Fit, problem: Problem, bare: Unknowns, asked: Names, free: 
             if found.explains:
                 return said_so(found, wider, problem.unknowns), wider
     return fit, problem
+
+
+def leaves_something(fit: Fit) -> bool:
+    """Return whether a fit leaves more of the records than rounding."""
+    return not any(check.remark.code in NOTHING_LEFT for check in fit.checks)
 
 
 def said_so(fit: Fit, problem: Problem, before: Unknowns) -> Fit:
@@ -79,21 +84,34 @@ def _best(
     problem: Problem, bare: Unknowns, chosen: Names, free: Sequence[str], x: RealArray, noise: Sequence[RealArray]
 ) -> Names | None:
     """Return what is chosen and what explains most of the residual beside it; None if chance explains as much."""
-    every = {
-        kind: tuple(dict.fromkeys((*chosen[kind], *_possible(problem.trials, bare, kind, free)))) for kind in KINDS
-    }
+    every = possible(problem.trials, bare, chosen, free)
     whole, before = _problem(problem, bare, every), dict(zip(problem.unknowns.labels, x, strict=True))
     u = whole.unknowns
     none = np.where(np.array([name.endswith(".relaxation") for name in u.labels]), RIGID, u.nominal)
     at = np.array([before.get(name, value) for name, value in zip(u.labels, none, strict=True)])
     residual, slope = whole.equations(at, noise)
-    own = [i for i, name in enumerate(u.labels) if name in before]
-    q, _ = np.linalg.qr(slope[:, own])
+    return most_telling(residual, slope, u.labels, tuple(before), problem.trials, chosen, every)
+
+
+def most_telling(
+    residual: RealArray,
+    slope: RealArray,
+    labels: Sequence[str],
+    before: Sequence[str],
+    trials: Sequence[Trial],
+    chosen: Names,
+    every: Names,
+) -> Names | None:
+    """Return what is chosen and which one of ``every`` explains most of a residual; None if chance explains as much.
+
+    ``slope`` are the derivatives of the residual by the unknowns ``labels``, of which those ``before`` are fitted.
+    """
+    q, _ = np.linalg.qr(slope[:, [i for i, name in enumerate(labels) if name in before]])
     residual = residual - q @ (q.T @ residual)
     best, found = 0.0, None
-    for kind, name, more in _added(problem.trials, chosen, every):
-        labels = _labels(kind, name, len(problem.trials))
-        new = slope[:, [i for i, one in enumerate(u.labels) if one in labels]]
+    for kind, name, more in _added(trials, chosen, every):
+        own = _labels(kind, name, len(trials))
+        new = slope[:, [i for i, one in enumerate(labels) if one in own]]
         new = new - q @ (q.T @ new)
         step = np.linalg.lstsq(new, -residual, rcond=None)[0]
         drop = float(residual @ residual - np.sum((residual + new @ step) ** 2))
@@ -114,14 +132,6 @@ def _added(trials: Sequence[Trial], chosen: Names, every: Names) -> Iterator[tup
             )
             if name not in chosen[kind] and not all_of_them:
                 yield kind, name, more
-
-
-def _possible(trials: Sequence[Trial], bare: Unknowns, kind: str, free: Sequence[str]) -> tuple[str, ...]:
-    if kind not in free:
-        return ()
-    if kind == "mounts":
-        return tuple(s.name for s in bare.car.struts if s.damping > 0 and s.mount_stiffness is None)
-    return tuple(dict.fromkeys(channel for trial in trials for channel in trial.channels))
 
 
 def _labels(kind: str, name: str, tests: int) -> tuple[str, ...]:

@@ -51,6 +51,8 @@ class Trial:
     logger: str | None = None
     causes: tuple[str, ...] = ()  # names of the inputs, or of the channels that show given motion alone
     margin: int = 0  # samples by which the inputs begin before the channels, and end behind them
+    sensed_roads: tuple[int, ...] = ()  # roads that channels measure, with noise, and that are the cause
+    sensed_forces: int = 0  # of `forces`, those that the last channels measure with noise
     uncut: RealArray | None = None  # the channels beside all of the inputs, where these begin before
 
     @property
@@ -79,6 +81,27 @@ class Trial:
             return self
         values, start = self.values[:, margin : self.count - margin], self.start + margin * self.step
         return replace(self, values=values, uncut=self.values, margin=margin, start=start)
+
+    def with_noisy_inputs(self) -> Trial:
+        """Return the trial with its inputs as channels of unknown noise."""
+        shown = self.values if self.uncut is None else self.uncut
+        roads, forces, width = len(self.roads), len(self.forces), self.road_weights.shape[1]
+        on_road = np.eye(width)[list(self.roads)]
+        return replace(
+            self.whole,
+            values=frozen_real(np.concatenate([shown, self.inputs])),
+            channels=(*self.channels, *self.causes[: len(self.inputs)]),
+            orders=np.append(self.orders, np.zeros(roads + forces, int)),
+            weights=frozen_real(np.concatenate([self.weights, np.zeros((roads + forces, self.weights.shape[1]))])),
+            road_weights=frozen_real(np.concatenate([self.road_weights, on_road, np.zeros((forces, width))])),
+            roads=(),
+            inputs=frozen_real(np.zeros((0, shown.shape[1]))),
+            noise=WhiteNoise(
+                least=frozen_real(np.append(self.noise.least, np.maximum(resolution(self.inputs) ** 2, 1e-300)))
+            ),
+            sensed_roads=self.roads,
+            sensed_forces=forces,
+        )
 
     @property
     def whole(self) -> Trial:

@@ -163,6 +163,13 @@ class EstimateCheck(Code):
             "right, hold its gain at 1 and its delay at 0, and look for what the car lacks."
         ),
     )
+    NOISY_INPUTS = (
+        "noisy inputs",
+        _listed(
+            "The noise of the measured cause is part of the model, with a level found from the records: {names}. The "
+            "intervals allow for it."
+        ),
+    )
     UNITS = (
         "units",
         _listed(
