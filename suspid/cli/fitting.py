@@ -28,10 +28,10 @@ GIVEN = click.option(
 
 
 def sensing_of(
-    gains: tuple[str, ...], delays: tuple[str, ...], mounts: tuple[str, ...]
+    gains: tuple[str, ...], delays: tuple[str, ...], mounts: tuple[str, ...], noisy: tuple[str, ...]
 ) -> dict[str, tuple[str, ...] | None]:
     """Return the arguments of `estimate` on channels and mounts; ``none`` leaves none unknown."""
-    asked = {"gains": gains, "delays": delays, "mounts": mounts}
+    asked = {"gains": gains, "delays": delays, "mounts": mounts, "noisy": noisy}
     return {
         name: tuple(one for one in names_in(chosen) if one != "none") if chosen else None
         for name, chosen in asked.items()
@@ -54,6 +54,7 @@ sensing: Decorator = packed(
         _unknown("--gain", "gains", "CHANNEL", "Channel whose gain"),
         _unknown("--delay", "delays", "CHANNEL", "Channel whose delay"),
         _unknown("--mount", "mounts", "STRUT", "Strut the mount of whose damper"),
+        _unknown("--noisy", "noisy", "CAUSE", "Given road or force whose noise"),
     ),
     "sensing",
 )

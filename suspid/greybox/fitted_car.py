@@ -78,6 +78,8 @@ def fitted_car(
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as ",
             Argument("nominal_std"),
         )
+    if any(driven) and asked.noisy:
+        raise InputError(Argument("noisy"), ": the noise of measured motion is always allowed for; leave it out")
     if not any(driven) and not asked.noisy:
         _check_unused({"band_hz": asked.band_hz, "stretch": asked.stretch})
     beyond = _beyond(suspension, trials)

@@ -65,7 +65,7 @@ def fitted_in_time(
     if chosen_of("noisy", asked.noisy, known, ()):
         found = with_noise_of_inputs(trials, bare, chosen, free, band=asked.band, stretch=asked.stretch, demanded=True)
         assert found is not None
-        return *found, bare
+        return *found[:2], bare
     if "delays" in free and (late := clearly_late(bare, trials)):
         # Channels that are late by cycles lead a fit without their delays astray.
         wider = with_sensors(bare, trials, **{**chosen, "delays": late})
@@ -78,11 +78,27 @@ def fitted_in_time(
     problem = Problem(trials=cut, holds=fit.holds, unknowns=unknowns)
     may_be_noisy = asked.noisy is None and all(len(trial.inputs) for trial in trials)
     if may_be_noisy and leaves_something(fit) and noise_told(trials, bare, chosen, unknowns, fit):
-        found = with_noise_of_inputs(trials, bare, chosen, free)
-        if found is not None:
-            return *found, bare
+        noisy = _with_noise(trials, bare, unknowns, chosen, free)
+        if noisy is not None:
+            return noisy
     fit, problem = with_needed(fit, problem, bare, chosen, free)
     return fit, problem.trials, problem.unknowns
+
+
+def _with_noise(
+    trials: tuple[Trial, ...], bare: Unknowns, before: Unknowns, chosen: Names, free: Sequence[str]
+) -> tuple[Fit, tuple[Trial, ...], Unknowns] | None:
+    """Return the fit with noise of the inputs, or without where it is not told beside what else the records need."""
+    found = with_noise_of_inputs(trials, bare, chosen, free)
+    if found is None or found[2] == chosen:
+        return None if found is None else (*found[:2], bare)
+    unknowns, cut = with_sensors(bare, trials, **found[2])
+    problem = Problem(trials=cut, holds=default_holds(cut), unknowns=unknowns)
+    with suppress(EstimationError):
+        fit = fit_in_time(problem)
+        if fit.explains and not noise_told(trials, bare, found[2], unknowns, fit):
+            return said_so(fit, problem, before), cut, unknowns
+    return *found[:2], bare
 
 
 def _with_onsets(trials: tuple[Trial, ...], unknowns: Unknowns, *, onsets: bool) -> tuple[Fit, tuple[Trial, ...]]:

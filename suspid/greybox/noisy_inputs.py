@@ -77,8 +77,8 @@ def with_noise_of_inputs(
     band: tuple[Hertz, Hertz] | None = None,
     stretch: Second | None = None,
     demanded: bool = False,
-) -> tuple[Fit, tuple[Trial, ...]] | None:
-    """Return the fit with noise of the inputs, with what else the records need, and its trials.
+) -> tuple[Fit, tuple[Trial, ...], Names] | None:
+    """Return the fit with noise of the inputs, with what else the records need, its trials and what was chosen.
 
     None if that does not explain the records, or all noises are not white, unless it is ``demanded``.
     """
@@ -103,7 +103,7 @@ def with_noise_of_inputs(
             fit = fit_in_frequency(wheel_problem(bare.car, noisy, bare, **chosen, band=band, stretch=stretch))
     added = tuple(f"{name} ({kind[:-1]})" for kind in KINDS for name in chosen[kind] if name not in asked[kind])
     needed = Check(Remark(EstimateCheck.NEEDED, {"names": added}), Level.NOTE)
-    return replace(fit, checks=(*fit.checks, _said(noisy, fit), *([needed] if added else []))), noisy
+    return replace(fit, checks=(*fit.checks, _said(noisy, fit), *([needed] if added else []))), noisy, chosen
 
 
 def _problem(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from suspid.cleaning import is_pair
 from suspid.errors import InputError, RecordError
 from suspid.greybox.car_records import example, force_names, record_of_car, renaming
+from suspid.greybox.dynamics import DEGREE
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.wheels import wheels_of
 from suspid.identification import WhiteNoise, resolution
@@ -25,9 +26,11 @@ from suspid.wording import Argument, AtCommandLine
 if TYPE_CHECKING:
     import control
 
-# How an input moves between two samples: as the last one, on a straight line, on a cubic spline.
-Hold = Literal["zero", "linear", "cubic"]
-HOLDS: tuple[Hold, ...] = ("cubic", "linear", "zero")
+# How an input moves between two samples: as the last one, on a straight line, on a cubic spline, on one of the fifth
+# degree. The latter follows motion of a fifth of the rate to 1e-4, the cubic one to 7e-3.
+Hold = Literal["zero", "linear", "cubic", "quintic"]
+HOLDS: tuple[Hold, ...] = ("cubic", "quintic", "linear", "zero")
+SPLINES: Mapping[Hold, int] = {"cubic": 3, "quintic": 5}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -245,29 +248,27 @@ def _force(car: Suspension, name: str, channels: Sequence[str]) -> RealArray:
 
 
 def input_pieces(trial: Trial, hold: Hold) -> tuple[RealArray, RealArray]:
-    """Return the inputs between samples: their coefficients (sample, 4 per input), and jumps at the next sample.
+    """Return the inputs between samples: their coefficients (sample, coefficient), and jumps at the next sample.
 
     An input that is held steps at the samples: the jumps (sample, input) are those at the end of each step.
     """
     count, size = trial.count + 2 * trial.margin, len(trial.inputs)
-    pieces, jumps = np.zeros((count, size, 4)), np.zeros((count, size))
+    pieces, jumps = np.zeros((count, size, DEGREE)), np.zeros((count, size))
     u, h = trial.inputs.T, trial.step
     pieces[:, :, 0] = u
-    if size and hold == "cubic" and count > 3:
-        from scipy.interpolate import CubicSpline
+    degree = SPLINES.get(hold, 0)
+    if size and count > degree > 0:
+        from scipy.interpolate import make_interp_spline
 
-        c = CubicSpline(h * np.arange(count), u).c
-        for i, factor in ((1, 1.0), (2, 2.0), (3, 6.0)):
-            pieces[:-1, :, i] = factor * c[3 - i]
-        last = pieces[-2]
-        pieces[-1, :, 1] = last[:, 1] + h * last[:, 2] + h**2 / 2 * last[:, 3]
-        pieces[-1, :, 2] = last[:, 2] + h * last[:, 3]
+        spline, times = make_interp_spline(h * np.arange(count), u, degree), h * np.arange(count)
+        for order in range(1, degree + 1):
+            pieces[:, :, order] = spline(times, order)
     elif size and hold != "zero":
         pieces[:-1, :, 1] = np.diff(u, axis=0) / h
         pieces[-1, :, 1] = pieces[-2, :, 1]
     elif size:
         jumps[:-1] = np.diff(u, axis=0)
-    return pieces.reshape(count, 4 * size), jumps
+    return pieces.reshape(count, DEGREE * size), jumps
 
 
 def signal_of(trial: Trial) -> Signal:

@@ -56,8 +56,8 @@ def _unexplained(numbers: Numbers) -> str:
         if "inputs" in numbers:
             one = len(numbers["inputs"]) == 1
             said += (
-                f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known: the car colours the "
-                f"noise of {'its sensor' if one else 'their sensors'}, and the intervals do not allow for it in full."
+                f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known, and white noise of "
+                f"{'its sensor' if one else 'their sensors'} does not explain it either."
             )
     return (
         f"{said} Estimate what may be missing as "
