@@ -61,10 +61,17 @@ def estimate_command(
     page: Path | None,
     outputs: Outputs,
 ) -> None:
-    """Find springs and dampers from records of any motion.
+    r"""Find springs and dampers from records of any motion.
 
     A FILE has channels named as in CAR: sensors, coordinates such as chassis or chassis_acceleration, travels such as
-    chassis_travel; --rename gives them these names. Several FILES are tests of one car.
+    chassis_travel; --rename gives them these names. Several FILES are tests of one car. Sensors at other points, or of
+    other names, are described in CAR:
+
+    \b
+        [sensors]
+        az_seat = { acceleration = "heave", ahead = 0.3, left = 0.4 }
+        damper_pot = { travel = "front" }
+        lift = { displacement = { front = 0.5, rear = 0.5 } }
 
     Causes that were measured are given: --given wheels in everyday driving, where the road is not needed; --given road
     on a rig or a known road, --given chassis_force with an actuator. Without --given a record is a free decay if it

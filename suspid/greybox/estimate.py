@@ -68,8 +68,8 @@ def estimate(
         strut of nominal stiffness 0 is a damper alone and stays one.
     given : sequence of str
         What moves the car. Roads, and forces named as in `statespace`, count as exactly known unless they are `noisy`;
-        roads that are not given do not move. Coordinates, such as ``("tire",)``, are given as measured by the channels. ``"roads"`` and
-        ``"wheels"`` are all of them. Empty: a free decay.
+        roads that are not given do not move. Coordinates, such as ``("tire",)``, are given as measured by the channels.
+        ``"roads"`` and ``"wheels"`` are all of them. Empty: a free decay.
     fixed, bounds, ties, nominal_std, free_masses : optional
         Fixed, bounded and tied parameters, prior knowledge, and unknown masses, as in `reconstruct`. A given
         force gives unknown masses a scale, as known ones do.
@@ -81,13 +81,14 @@ def estimate(
     mounts : sequence of str, optional
         Struts whose damper may have a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
-        coordinates; else those without which the records are not explained. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
+        coordinates; else those without which the records are not explained. A rubber mount of 1e6 N/m that is left out
+        makes k of a driven car 20 % too large.
     noisy : sequence of str, optional
         Given roads and forces that are measured with noise of unknown level: it moves no part of the car, so it is in
         the likelihood (errors in variables, as where motion is given). Default: where the records hold such noise.
     band_hz : (float, float), optional
-        Frequencies that are used where motion is given, or causes are `noisy`, and only there [Hz]. Default: from 0.4 times the lowest
-        natural frequency of the nominal car to 2.5 times the highest.
+        Frequencies that are used where motion is given, or causes are `noisy`, and only there [Hz]. Default: from 0.4
+        times the lowest natural frequency of the nominal car to 2.5 times the highest.
     stretch : float, optional
         Length of the stretches that are transformed where motion is given, or causes are `noisy` [s]. Default: eight
         periods of the lowest mode; 24 of them where causes are noisy.
@@ -124,7 +125,8 @@ def estimate(
     -----
     Without a given force the records determine ratios to the masses alone: all intervals hold for the masses as given.
     How an input moves between two samples (on a spline of third or fifth degree, on straight lines, or in steps) is
-    taken from the record: as it explains the motion best. Residuals that are not white widen the intervals by their spectrum.
+    taken from the record: as it explains the motion best. Residuals that are not white widen the intervals by their
+    spectrum.
 
     Where motion is given, `fitted` and `residual` contain the band only, and whether the residual of the outputs
     follows the given motion is tested: it does where the car lacks something, such as the other axle. Intervals are

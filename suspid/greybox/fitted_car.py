@@ -14,7 +14,7 @@ from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
 from suspid.greybox.fitted_in_time import SensorsAsked, fitted_in_time
-from suspid.greybox.judgement import changed_check, far_or_vague, gains_off, on_bounds, rests_on
+from suspid.greybox.judgement import changed_check, far_or_vague, folded, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.parameter_ends import Spread, changed
@@ -126,6 +126,7 @@ def fitted_car(
         *fit.checks,
         *on_bounds(u, fit.x),
         *gains_off(parameters, values, std),
+        *folded(parameters, values, std),
         changed_check(tuple(name for name in parameters if name in apart)),
         *far_or_vague(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),

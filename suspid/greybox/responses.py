@@ -162,7 +162,8 @@ def _by_sensing(seen: _Seen, whole: RealArray, sensing: Sensing) -> RealArray:
             continue
         rows = slice(None) if channel == INPUTS else slice(channel, channel + 1)
         if i < len(sensing.gain_of):
-            factor = np.array([[-sensing.input_gain]]) if channel == INPUTS else sensing.gains[rows, None]
+            high = sensing.input_gain
+            factor = np.array([[-high]]) if channel == INPUTS else high * sensing.gains[rows, None]
             slope[rows, :, i] = (seen.C[rows] @ whole[:, :size].T + seen.D[rows] @ whole[:, size:].T) / factor
         else:
             slope[rows, :, i] = (seen.rate[rows] if channel == INPUTS else -seen.rate[rows]) @ whole.T

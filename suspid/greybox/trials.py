@@ -172,8 +172,9 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     if not use:
         raise RecordError(
             f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels by what they "
-            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration', and describe sensors at "
-            f"other points of the body under [sensors] in the car file",
+            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration', or describe them under "
+            f"[sensors] in the car file, as in "
+            f'\'"{signal.channels[0]}" = {{ acceleration = "{car.coordinates[0]}" }}\'',
             AtCommandLine("rename", example(signal.channels, car.coordinates)),
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]

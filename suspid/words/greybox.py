@@ -263,6 +263,14 @@ class EstimateCheck(Code):
         "unused",
         _listed("Not used, because they measure nothing of the car, or a road that is not given: channels {names}."),
     )
+    FOLDED = (
+        "folded",
+        _listed(
+            "{names} are {seconds:.2g} s both, and cancel: motion above half the sampling rate may be folded into the "
+            "band, as by edges of potholes and steps where a logger has no filter against aliasing. Dampers are then "
+            "off by some percent. Switch on the filter of the logger, or record faster."
+        ),
+    )
     CHANGED = (
         "changed",
         _listed("Significantly different from nominal (5 % level for all parameters together): {names}."),
