@@ -376,6 +376,7 @@ def test_the_sensors_that_the_help_describes_can_be_read(tmp_path: Path) -> None
         front_damping=1350, rear_damping=1350,
     )  # fmt: skip
     write_car(car, tmp_path / "car.toml")
+    lines.append("")
     example = "\n".join(lines[first : lines.index("", first)]).replace(", left = 0.4", "")
     (tmp_path / "car.toml").write_text((tmp_path / "car.toml").read_text() + "\n" + example + "\n")
     sensors = {sensor.name: sensor for sensor in read_car(tmp_path / "car.toml").sensors}

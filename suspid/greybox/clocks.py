@@ -15,7 +15,7 @@ from suspid.units import Hertz, Ratio, RealArray, Second
 CLEARLY_BEST: Ratio = 2.0
 LONGEST_LAG: Ratio = 0.25  # lag, over a record, that is looked for: the rest must still be worth a fit
 # Periods of the end of the band by which a delay may be off where its fit begins: of one period, it is found from none.
-REACH = 2.0
+DELAY_REACH = 2.0
 MOST_MARGIN: Ratio = 0.05  # of a record, to either side, that is given up where no channel is seen to be late
 
 
@@ -64,8 +64,8 @@ def clocks_of(trial: Trial, expected: RealArray, late: Sequence[int], highest: H
         # All lines that show something count alike: by their power a resonance would, which agrees at many lags.
         common /= np.abs(common) + np.median(np.abs(common[common != 0])) + np.finfo(float).tiny
         score = np.fft.irfft(common, 2 * trial.count) ** 2
-        lags[channel] = clear_lag(score, trial.count, period, apart=REACH * period)
-    reach = int(np.clip(REACH * period, 1, max(1.0, MOST_MARGIN * trial.count)))
+        lags[channel] = clear_lag(score, trial.count, period, apart=DELAY_REACH * period)
+    reach = int(np.clip(DELAY_REACH * period, 1, max(1.0, MOST_MARGIN * trial.count)))
     return Clocks(
         about=lags * trial.step,
         reach=reach * trial.step,

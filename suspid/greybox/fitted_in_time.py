@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from suspid.errors import EstimationError
 from suspid.greybox.fits import Fit
-from suspid.greybox.further import KINDS, chosen_of
+from suspid.greybox.further import SENSOR_KINDS, chosen_of
 from suspid.greybox.noisy_inputs import noise_told, with_noise_of_inputs
 from suspid.greybox.onset import from_onset
 from suspid.greybox.problem import Problem, default_holds
@@ -37,13 +37,13 @@ class SensorsAsked(NamedTuple):
     def chosen(self) -> Names:
         """The names that are asked for, by kind."""
         given = {"mounts": self.mounts, "gains": self.gains, "delays": self.delays}
-        return {kind: (one,) if isinstance(one := given[kind] or (), str) else tuple(one) for kind in KINDS}
+        return {kind: (one,) if isinstance(one := given[kind] or (), str) else tuple(one) for kind in SENSOR_KINDS}
 
     @property
     def free(self) -> tuple[str, ...]:
         """The kinds of which nothing is asked, so that what the records need may be added."""
         given = {"mounts": self.mounts, "gains": self.gains, "delays": self.delays}
-        return tuple(kind for kind in KINDS if given[kind] is None)
+        return tuple(kind for kind in SENSOR_KINDS if given[kind] is None)
 
 
 def fitted_in_time(

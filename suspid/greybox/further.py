@@ -20,7 +20,7 @@ FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
 RIGID = 1e-3  # of `TIMES`: the least relaxation in time, as good as a rigid mount
 GAINS = (1e-4, 1e4)  # between which a gain is looked for: a unit may be wrong by a thousand (mm for m)
 
-KINDS = ("mounts", "gains", "delays")  # as arguments of `estimate`
+SENSOR_KINDS = ("mounts", "gains", "delays")  # as arguments of `estimate`
 INPUTS = -1  # in the place of a channel: the known input of a test, which is all its channels turned round
 
 Place = tuple[int, int]  # number of the test, and of the channel in it

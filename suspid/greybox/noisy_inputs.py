@@ -14,7 +14,7 @@ import numpy as np
 from suspid.errors import EstimationError
 from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
-from suspid.greybox.further import KINDS
+from suspid.greybox.further import SENSOR_KINDS
 from suspid.greybox.measured_causes import LEAST_NOISE, WheelProblem
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.sensors_asked import Names, possible
@@ -101,7 +101,7 @@ def with_noise_of_inputs(
             return None
         if not white:
             fit = fit_in_frequency(wheel_problem(bare.car, noisy, bare, **chosen, band=band, stretch=stretch))
-    added = tuple(f"{name} ({kind[:-1]})" for kind in KINDS for name in chosen[kind] if name not in asked[kind])
+    added = tuple(f"{name} ({kind[:-1]})" for kind in SENSOR_KINDS for name in chosen[kind] if name not in asked[kind])
     needed = Check(Remark(EstimateCheck.NEEDED, {"names": added}), Level.NOTE)
     return replace(fit, checks=(*fit.checks, _said(noisy, fit), *([needed] if added else []))), noisy, chosen
 

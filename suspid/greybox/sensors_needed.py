@@ -11,7 +11,7 @@ import numpy as np
 from suspid.errors import EstimationError
 from suspid.greybox.causes import dies_down
 from suspid.greybox.fits import Fit
-from suspid.greybox.further import KINDS, RIGID, label
+from suspid.greybox.further import RIGID, SENSOR_KINDS, label
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.search import descended
 from suspid.greybox.sensors_asked import Names, possible, with_sensors
@@ -30,7 +30,7 @@ def with_needed(fit: Fit, problem: Problem, bare: Unknowns, asked: Names, free: 
     """Return the fit with what the records need besides what was asked for, if it explains them; and its problem.
 
     What is not asked for is added one by one: what explains most of the residual, until nothing explains more of it
-    than chance. ``bare`` are the unknowns of the car alone, ``free`` the kinds of `KINDS` that may be added.
+    than chance. ``bare`` are the unknowns of the car alone, ``free`` the kinds of `SENSOR_KINDS` that may be added.
     """
     if not leaves_something(fit) or not free:
         return fit, problem
@@ -123,7 +123,7 @@ def most_telling(
 
 def _added(trials: Sequence[Trial], chosen: Names, every: Names) -> Iterator[tuple[str, str, Names]]:
     """Yield what may be added to what is chosen: its kind, its name and both together."""
-    for kind in KINDS:
+    for kind in SENSOR_KINDS:
         for name in every[kind]:
             more = {**chosen, kind: (*chosen[kind], name)}
             # Of all channels of a free decay only ratios of gains, and differences of delays, can be found.
