@@ -140,8 +140,8 @@ def test_a_mount_that_a_delay_cancels_is_told_to_be_folded_motion(relaxation: fl
 def test_edges_of_potholes_that_a_logger_folds_are_told(filtered: bool) -> None:
     """Twelve potholes of 2 cm with edges of 20 ms in 60 s; the motion is that of `validation.motion` at 2 kHz."""
     half_steps = round(60.0 / STEP) * 2 + 1
-    t, rng = STEP / 2 * np.arange(half_steps), np.random.default_rng(3)
-    heights = road_heights(20.0 * t, LEVELS["B"], rng)
+    t, rng = np.asarray(STEP / 2 * np.arange(half_steps), float), np.random.default_rng(3)
+    heights = road_heights(np.asarray(20.0 * t), LEVELS["B"], rng)
     for start in 2 + 4.7 * np.arange(12):
         heights -= 0.02 * (np.clip((t - start) / 0.02, 0, 1) - np.clip((t - start - 0.05) / 0.02, 0, 1))
     inputs = np.zeros((4, half_steps))
