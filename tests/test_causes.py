@@ -192,7 +192,7 @@ def test_a_decay_within_a_record_that_swells_is_looked_for_at_last(monkeypatch: 
     def searched(_: object) -> None:
         raise AssertionError("the search of decays takes longer than all else")
 
-    monkeypatch.setattr("suspid.greybox.fitted_car.from_onset", searched)
+    monkeypatch.setattr("suspid.greybox.fitted_in_time.from_onset", searched)
     found, cause = estimate_by_cause(test, NOMINAL, options={"fixed": ["tire.damping"]})
     assert cause == ("tire",)
     assert found.explains

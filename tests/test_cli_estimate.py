@@ -11,7 +11,18 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from suspid import add_noise, analyse, free_decay, quarter_car, read_car, simulate, statespace, write_car, write_record
+from suspid import (
+    add_noise,
+    analyse,
+    free_decay,
+    half_car,
+    quarter_car,
+    read_car,
+    simulate,
+    statespace,
+    write_car,
+    write_record,
+)
 from suspid.cli.main import main
 from suspid.reporting import json_schema
 
@@ -353,3 +364,44 @@ def test_a_report_of_a_drive_that_comes_to_a_halt_leads_with_springs_and_dampers
     assert result.exit_code == 0, result.output
     assert "no clear free decay was found: the motion of tire was taken as the cause" in result.stderr
     assert holds({"parameters": json.loads((files / "e.json").read_text())["parameters"][:1]})
+
+
+def test_the_sensors_that_the_help_describes_can_be_read(tmp_path: Path) -> None:
+    said = run("estimate", "--help").output
+    lines = [line.strip() for line in said.splitlines()]
+    first = lines.index("[sensors]")
+    car = half_car(
+        chassis_mass=600, pitch_inertia=900, front_tire_mass=40, rear_tire_mass=40, cg_to_front=1.25, cg_to_rear=1.25,
+        front_stiffness=21e3, rear_stiffness=22e3, front_tire_stiffness=190e3, rear_tire_stiffness=190e3,
+        front_damping=1350, rear_damping=1350,
+    )  # fmt: skip
+    write_car(car, tmp_path / "car.toml")
+    lines.append("")
+    example = "\n".join(lines[first : lines.index("", first)]).replace(", left = 0.4", "")
+    (tmp_path / "car.toml").write_text((tmp_path / "car.toml").read_text() + "\n" + example + "\n")
+    sensors = {sensor.name: sensor for sensor in read_car(tmp_path / "car.toml").sensors}
+    assert set(sensors) == {"az_seat", "damper_pot", "lift"}
+    manual = (Path(__file__).parents[1] / ".manual/tasks.md").read_text(encoding="utf-8")
+    assert all(line in manual for line in lines[first + 1 : lines.index("", first)])
+
+
+def test_a_channel_of_the_car_on_a_slower_clock_is_interpolated(files: Path) -> None:
+    """Two columns of time: the body's logger has 200 Hz, that of the wheel 250 Hz."""
+    fine = np.arange(0, 4, 0.001)
+    road = 0.005 * np.sin(2 * np.pi * (0.5 + 2 * fine) * fine)
+    names = ["chassis_acceleration", "tire_acceleration"]
+    body, wheel = np.asarray(simulate(CAR, fine, {"road": road}, outputs=names).outputs)
+    rng, rows = np.random.default_rng(1), len(fine[::4])
+    table = np.full((rows, 4), np.nan)
+    for column, (values, step, std) in enumerate(((body, 5, 0.03), (wheel, 4, 0.1))):
+        shown = values[::step] + std * rng.standard_normal(len(values[::step]))
+        table[: len(shown), 2 * column], table[: len(shown), 2 * column + 1] = fine[::step], shown
+    cells = [",".join("" if np.isnan(x) else f"{x:.6g}" for x in row) for row in table]
+    head = "time_a [s],chassis_acceleration,time_b [s],tire_acceleration"
+    (files / "two.csv").write_text("\n".join([head, *cells]) + "\n")
+    done = run(
+        "estimate", files / "two.csv", "--car", files / "car.toml", "--given", "wheels", "--json", files / "e.json"
+    )
+    assert "interpolated onto 250 Hz" in done.output
+    found = {one["name"]: one for one in json.loads((files / "e.json").read_text())["parameters"]}
+    assert found["chassis.stiffness"]["value"] == pytest.approx(22e3, rel=0.1)

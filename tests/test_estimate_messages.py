@@ -33,7 +33,7 @@ def test_noise_of_a_known_force_is_named_where_the_car_does_not_explain_the_reco
     values = values + 1e-3 * np.std(values, axis=1, keepdims=True) * rng.standard_normal(values.shape)
     measured = {"chassis_force": force + noise * rng.standard_normal(len(times))}
     record = as_response(times, values, ["chassis_acceleration", "chassis_travel"], inputs=measured)
-    found = estimate(record, car, given=["chassis_force"], fixed=["tire.damping"])
+    found = estimate(record, car, given=["chassis_force"], fixed=["tire.damping"], noisy=())
     assert found.explains == (noise == 0)
     assert ("chassis_force counts as exactly known" in str(found.verdict)) == (noise > 0)
 

@@ -6,14 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import resample_poly
 from test_greybox_wheels import QUARTER, at_rest, corner_of_half, driven, off, record_of
 
 from suspid import estimate, free_decay, quarter_car
 from suspid.greybox import frequency_domain
 from suspid.greybox.frequency_domain import _sandwich
+from suspid.greybox.judgement import folded
 from suspid.greybox.leftover import Leftover
 from suspid.greybox.misfit import Misfit
 from suspid.records import as_response
+from suspid.words import Level
+from suspid.words.greybox import EstimateCheck
+from validation.motion import LEVELS, STEP, integrated, road_heights
 
 
 def test_lines_that_scatter_three_times_as_much_widen_deviations_threefold() -> None:
@@ -119,3 +124,32 @@ def test_a_mount_that_a_delay_stands_in_for_is_found_behind_the_ridge(seed: int)
     low, high = found.interval()["chassis.relaxation"]
     assert low < 1300 / 1e6 < high
     assert low > 0
+
+
+@pytest.mark.parametrize(
+    ("relaxation", "delay", "told"), [(1.2e-3, 1.21e-3, True), (1.2e-3, 0.0, False), (0.3e-3, 0.3e-3, False)]
+)
+def test_a_mount_that_a_delay_cancels_is_told_to_be_folded_motion(relaxation: float, delay: float, told: bool) -> None:
+    """Where it is beyond chance, three standard deviations; a mount without a delay is one."""
+    names = ("chassis.relaxation", "tire_acceleration.gain", "tire_acceleration.delay")
+    checks = list(folded(names, np.array([relaxation, 1.0, delay]), np.array([0.2e-3, 0.01, 0.2e-3])))
+    assert [one.remark.code for one in checks] == [EstimateCheck.FOLDED] * told
+
+
+@pytest.mark.parametrize("filtered", [True, False])
+def test_edges_of_potholes_that_a_logger_folds_are_told(filtered: bool) -> None:
+    """Twelve potholes of 2 cm with edges of 20 ms in 60 s; the motion is that of `validation.motion` at 2 kHz."""
+    half_steps = round(60.0 / STEP) * 2 + 1
+    t, rng = np.asarray(STEP / 2 * np.arange(half_steps), float), np.random.default_rng(3)
+    heights = road_heights(np.asarray(20.0 * t), LEVELS["B"], rng)
+    for start in 2 + 4.7 * np.arange(12):
+        heights -= 0.02 * (np.clip((t - start) / 0.02, 0, 1) - np.clip((t - start - 0.05) / 0.02, 0, 1))
+    inputs = np.zeros((4, half_steps))
+    inputs[0], inputs[1] = heights, np.gradient(heights, STEP / 2)
+    rows = integrated(QUARTER, inputs, np.zeros(4), keep=1)[1]
+    rows = resample_poly(rows, 1, 10, axis=1) if filtered else rows[:, ::10]
+    rows = rows + np.array([[0.03], [0.1]]) * rng.standard_normal(rows.shape)
+    record = as_response(np.arange(rows.shape[1]) / 200, rows, ["chassis_acceleration", "tire_acceleration"])
+    found = estimate(record, off(QUARTER), given=("tire",))
+    assert (found.verdict.level is Level.CARE) is not filtered
+    assert (EstimateCheck.FOLDED in {one.remark.code for one in found.verdict.checks}) is not filtered

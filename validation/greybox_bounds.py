@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid import Suspension
 from suspid.units import ComplexArray, Hertz, RealArray
+from validation.motion import matrices
 
 # Relative step of a difference: its error falls with the square of it, that of rounding grows with its inverse.
 STEP = 1e-4
@@ -51,6 +52,45 @@ def time_bound(
     J = np.array(columns).T
     J -= basis @ (basis.T @ J)
     relative = np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
+    return np.asarray(relative * [value_of(car, name) for name in names])
+
+
+def noisy_bound(
+    outputs: Outputs,
+    car: Suspension,
+    names: Sequence[str],
+    *,
+    std: RealArray,
+    nuisance: RealArray,
+    rate: Hertz,
+    input_std: float,
+    input_of: int,
+) -> RealArray:
+    """Return the least standard deviations of parameters where the input of `motion.matrices` is measured with noise.
+
+    The input's true motion is free at every line: a line is known with the covariance of the outputs' noise and that of
+    the input's noise through the car. Motions under the true input, and the nuisance as in `time_bound`, are from the
+    independent integrator.
+    """
+    columns = []
+    for name in names:
+        value = value_of(car, name)
+        high, low = (outputs(changed(car, name, value * (1 + sign * STEP))) for sign in (1, -1))
+        columns.append((high - low) / (2 * STEP))
+    lines = np.fft.rfft(np.array([*columns, *nuisance]))[:, :, 1:-1]
+    s: ComplexArray = np.asarray(2j * np.pi * np.fft.rfftfreq(nuisance.shape[2], 1 / rate)[1:-1], np.complex128)
+    A, B, P, Q = matrices(car)
+    roads = len(car.roads)
+    by_input, seen = B[:, input_of] + 0j * s[:, None], Q[:, input_of] + 0j * s[:, None]
+    if input_of < roads:
+        by_input, seen = by_input + s[:, None] * B[:, roads + input_of], seen + s[:, None] * Q[:, roads + input_of]
+    states = np.linalg.solve(s[:, None, None] * np.eye(len(A)) - A, by_input[:, :, None])[:, :, 0]
+    T = states @ P.T + seen
+    R = nuisance.shape[2] * (np.diag(std**2) + input_std**2 * T[:, :, None] * T[:, None, :].conj())
+    J = lines.transpose(2, 1, 0)
+    size = np.sqrt(np.sum(np.abs(J) ** 2, axis=(0, 1)))
+    information = 2 * np.real(np.einsum("fqi,fqj->ij", (J / size).conj(), np.linalg.solve(R, J / size)))
+    relative = (np.sqrt(np.diag(np.linalg.inv(information))) / size)[: len(names)]
     return np.asarray(relative * [value_of(car, name) for name in names])
 
 

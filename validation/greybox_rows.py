@@ -11,8 +11,8 @@ import numpy as np
 
 from suspid import Suspension, full_car, half_car, quarter_car
 from suspid.records import as_response
-from suspid.units import RealArray
-from validation.greybox_bounds import given_bound, time_bound, transfer_of
+from suspid.units import RealArray, Second
+from validation.greybox_bounds import given_bound, noisy_bound, time_bound, transfer_of
 from validation.motion import LEVELS, STEP, Drive, driven, integrated, record_of
 
 if TYPE_CHECKING:
@@ -113,8 +113,22 @@ def decay_row(
     return Row(name=name, car=car, names=names, record=record, bound=bound, fixed=held)
 
 
-def rig_row(name: str, channel: str, shape: RealArray, *, std: Mapping[str, float], car: Suspension = QUARTER) -> Row:
-    """Return a quarter car on a known road, or pushed by a known force; ``shape`` stands at half steps."""
+def rig_row(
+    name: str,
+    channel: str,
+    shape: RealArray,
+    *,
+    std: Mapping[str, float],
+    car: Suspension = QUARTER,
+    sensor: tuple[float, Second] | None = None,
+    input_noise: float = 0.0,
+    options: Mapping[str, Any] | None = None,
+) -> Row:
+    """Return a quarter car on a known road, or pushed by a known force; ``shape`` stands at half steps.
+
+    ``sensor`` is the gain and the delay of that of the wheel, which the bound does not know either. The input is
+    measured with noise of a share of its own standard deviation.
+    """
     keep, fs = 10, 200.0
     index = 0 if channel == "road" else 2 + list(car.masses).index(channel.removesuffix("_force"))
     inputs = np.zeros((4, len(shape)))
@@ -122,11 +136,18 @@ def rig_row(name: str, channel: str, shape: RealArray, *, std: Mapping[str, floa
     if channel == "road":
         inputs[1] = np.gradient(shape, STEP / 2)
     names = parameters(car)
+    gain, late = (1.0, 0.0) if sensor is None else sensor
 
-    def outputs(one: Suspension) -> RealArray:
-        return integrated(one, inputs, np.zeros(4), keep=keep)[1]
+    def outputs(
+        one: Suspension, *, high: float = gain, delay: Second = late, start: RealArray | None = None
+    ) -> RealArray:
+        pushed = inputs if start is None else 0 * inputs
+        body, wheel = integrated(one, pushed, np.zeros(4) if start is None else start, keep=1)[1]
+        wheel = np.concatenate([np.full(round(delay / STEP), wheel[0]), high * wheel])[: len(body)]
+        return np.stack([body, wheel])[:, ::keep]
 
     spread = np.array([std[f"{c}_acceleration"] for c in car.masses])
+    noise_of_input = input_noise * float(np.std(shape))
 
     @cache
     def clean() -> RealArray:
@@ -135,13 +156,24 @@ def rig_row(name: str, channel: str, shape: RealArray, *, std: Mapping[str, floa
     def record(rng: np.random.Generator) -> control.TimeResponseData:
         y = clean() + spread[:, None] * rng.standard_normal(clean().shape)
         times = np.arange(y.shape[1]) / fs
-        return as_response(times, y, [f"{c}_acceleration" for c in car.masses], inputs={channel: shape[:: 2 * keep]})
+        known = shape[:: 2 * keep]
+        if noise_of_input:
+            known = known + noise_of_input * rng.standard_normal(len(known))
+        return as_response(times, y, [f"{c}_acceleration" for c in car.masses], inputs={channel: known})
 
     def bound() -> RealArray:
-        units = np.array([integrated(car, 0 * inputs, unit, keep=keep)[1] for unit in np.eye(4)])
-        return time_bound(outputs, car, names, std=spread, nuisance=units)
+        unknown = [outputs(car, start=unit) for unit in np.eye(4)]
+        if sensor is not None:
+            unknown += [outputs(car, high=gain + 1) - clean(), outputs(car, delay=late + STEP) - clean()]
+        nuisance = np.array(unknown)
+        if noise_of_input:
+            return noisy_bound(
+                outputs, car, names, std=spread, nuisance=nuisance, rate=fs,
+                input_std=noise_of_input, input_of=index,
+            )  # fmt: skip
+        return time_bound(outputs, car, names, std=spread, nuisance=nuisance)
 
-    return Row(name=name, car=car, names=names, record=record, bound=bound, given=(channel,))
+    return Row(name=name, car=car, names=names, record=record, bound=bound, given=(channel,), options=options or {})
 
 
 def given_row(name: str, drive: Drive, *, car: Suspension = QUARTER, options: Mapping[str, Any] | None = None) -> Row:
@@ -218,6 +250,9 @@ FULL_KNOCK = {
 KNOWN: Mapping[str, Any] = {"gains": (), "delays": (), "mounts": ()}
 
 
+WHEEL_SENSOR: Mapping[str, Any] = {"gains": ("tire_acceleration",), "delays": ("tire_acceleration",)}
+
+
 def only(free: str) -> Mapping[str, Any]:
     """Return options that leave one of gains, delays and mounts unknown."""
     return {kind: () for kind in KNOWN if kind != free}
@@ -245,6 +280,35 @@ def rows() -> dict[str, list[Row]]:
             rig_row("random road, 20 s", "road", smooth_road(), std=NOISE),
             rig_row(
                 "force on the body, 20 s", "chassis_force", 1e5 * swept(), std={**NOISE, "tire_acceleration": 0.03}
+            ),
+            *(
+                rig_row(
+                    f"{what}, wheel sensor 2 % high, 2 ms late{told}",
+                    "road",
+                    shape,
+                    std=NOISE,
+                    sensor=(1.02, 0.002),
+                    options=WHEEL_SENSOR if told else {},
+                )
+                for what, shape in (("swept road", swept()), ("random road", smooth_road()))
+                for told in (", told", "")
+            ),
+            *(
+                rig_row(f"{what}, known to {share:.0%}", channel, shape, std=std, input_noise=share)
+                for what, channel, shape, std in (
+                    ("swept road", "road", swept(), NOISE),
+                    ("random road", "road", smooth_road(), NOISE),
+                    ("force on the body", "chassis_force", 1e5 * swept(), {**NOISE, "tire_acceleration": 0.03}),
+                )
+                for share in (0.01, 0.02, 0.05)
+            ),
+            rig_row(
+                "swept road, known to 2 %, wheel sensor 2 % high, 2 ms late",
+                "road",
+                swept(),
+                std=NOISE,
+                sensor=(1.02, 0.002),
+                input_noise=0.02,
             ),
         ],
         "Everyday driving, wheels given": [

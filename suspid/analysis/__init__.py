@@ -14,6 +14,7 @@ from suspid.analysis.check_limits import check_limits
 from suspid.analysis.checked_limits import CheckedLimit, CheckedLimits
 from suspid.analysis.drive_analysis import DriveAnalysis
 from suspid.analysis.limits import SCALES, Limit, read_limits
+from suspid.analysis.reading import Read as Read
 from suspid.analysis.reading import read
 from suspid.analysis.settings import CarSettings, Settings
 from suspid.analysis.springs import check_springs

@@ -36,7 +36,15 @@ ROAD = (
 )
 
 
-@click.command("estimate", cls=Grouped)
+SENSORS = """\b
+Sensors in CAR, at a point of the body [m], in a damper, and in the middle of an axle:
+  [sensors]
+  az_seat = { acceleration = "heave", ahead = 0.3, left = 0.4 }
+  damper_pot = { travel = "front" }
+  lift = { displacement = { front = 0.5, rear = 0.5 } }"""
+
+
+@click.command("estimate", cls=Grouped, epilog=SENSORS)
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @reading
 @click.option("--car", type=CAR, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")
@@ -64,7 +72,8 @@ def estimate_command(
     """Find springs and dampers from records of any motion.
 
     A FILE has channels named as in CAR: sensors, coordinates such as chassis or chassis_acceleration, travels such as
-    chassis_travel; --rename gives them these names. Several FILES are tests of one car.
+    chassis_travel; --rename gives them these names. Several FILES are tests of one car. Sensors at other points, or of
+    other names, are described in CAR, as shown at the end.
 
     Causes that were measured are given: --given wheels in everyday driving, where the road is not needed; --given road
     on a rig or a known road, --given chassis_force with an actuator. Without --given a record is a free decay if it

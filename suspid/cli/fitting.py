@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from suspid.analysis import Settings, in_terms_of, read
+from suspid.analysis import Read, Settings, in_terms_of, read
 from suspid.cli.named_values import names_in
 from suspid.cli.options import Decorator, packed
 from suspid.cli.ridden import damage_of
@@ -28,10 +29,10 @@ GIVEN = click.option(
 
 
 def sensing_of(
-    gains: tuple[str, ...], delays: tuple[str, ...], mounts: tuple[str, ...]
+    gains: tuple[str, ...], delays: tuple[str, ...], mounts: tuple[str, ...], noisy: tuple[str, ...]
 ) -> dict[str, tuple[str, ...] | None]:
     """Return the arguments of `estimate` on channels and mounts; ``none`` leaves none unknown."""
-    asked = {"gains": gains, "delays": delays, "mounts": mounts}
+    asked = {"gains": gains, "delays": delays, "mounts": mounts, "noisy": noisy}
     return {
         name: tuple(one for one in names_in(chosen) if one != "none") if chosen else None
         for name, chosen in asked.items()
@@ -54,6 +55,7 @@ sensing: Decorator = packed(
         _unknown("--gain", "gains", "CHANNEL", "Channel whose gain"),
         _unknown("--delay", "delays", "CHANNEL", "Channel whose delay"),
         _unknown("--mount", "mounts", "STRUT", "Strut the mount of whose damper"),
+        _unknown("--noisy", "noisy", "CAUSE", "Given road or force whose noise"),
     ),
     "sensing",
 )
@@ -75,7 +77,7 @@ def tests_of(
     tests = []
     for file, kg in zip(files, masses, strict=True):
         with naming(file):
-            opened = in_terms_of(read(file, settings), suspension)
+            opened = in_terms_of(_read_of_car(file, suspension, settings), suspension)
             said += [f"{file}: {text}" for text in damage_of(opened.recording)]
             said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
             said += [f"{file}: {note}" for note in opened.notes]
@@ -84,6 +86,28 @@ def tests_of(
             record = cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
         tests.append(RecordTest(record=record, added_masses=kg))
     return tests
+
+
+def _read_of_car(file: Path, suspension: Suspension, settings: Settings) -> Read:
+    """Return a record; channels of the car on a slower clock of their own are interpolated, and not left out."""
+    from suspid.io import bare_name
+    from suspid.model import names_channel
+    from suspid.samples import held
+    from suspid.signals import as_signal
+    from suspid.words import Defect
+
+    opened, renamed = read(file, settings), dict(settings.rename)
+    left: list[str] = []
+    for finding in opened.cleaned.findings if settings.channels is None else ():
+        names = finding.remark.numbers.get("channels")
+        if finding.kind is Defect.SLOWER_CLOCK and isinstance(names, tuple):
+            left += [str(name) for name in names]
+    wanted = [name for name in left if names_channel(suspension, bare_name(str(renamed.get(name, name))))]
+    if not wanted or opened.recording is None:
+        return opened
+    there = as_signal(held(opened.cleaned, "record")).channels
+    used = [name for name in opened.recording.names if renamed.get(name, name) in there]
+    return read(file, replace(settings, channels=(*used, *wanted)))
 
 
 def fitted(

@@ -12,8 +12,8 @@ GROUPS = {
     "Part of the record": "from to decay",
     "Modes": "modes method band",
     "Car": (
-        "car given added free-mass fixed bound tie constraint nominal-std gain delay mount linearise tolerance "
-        "no-search"
+        "car given added free-mass fixed bound tie constraint nominal-std gain delay mount noisy linearise "
+        "tolerance no-search"
     ),
     "Road and drive": (
         "road speed speed-unit wheel-radius behind longitudinal lateral least-speed most-braking most-cornering "

@@ -40,6 +40,7 @@ ARGUMENTS_AS_OPTIONS = {
     "method": "--method",
     "modes": "--modes",
     "mounts": "--mount",
+    "noisy": "--noisy",
     "nominal_std": "--nominal-std",
     "objective": "--objective",
     "parameters": "--parameter",

@@ -1,7 +1,7 @@
 """Motion of a suspension under known inputs, with its derivatives by every parameter, exact at the samples.
 
 The state is ``x = (q, v, d)``: coordinates, velocities, and the elongation of each damper that is on a mount. Inputs
-are polynomials of third degree between samples, with coefficients ``w = (u, u', u'', u''')`` each. With
+are polynomials of fifth degree between samples, with coefficients ``w = (u, u', u'', …)`` each. With
 ``x' = F (x, w)``, a parameter changes F by a matrix of rank one, ``b f^T``.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from suspid.model import Suspension
 from suspid.units import RealArray, Second
 
-DEGREE = 4  # coefficients of an input between two samples
+DEGREE = 6  # coefficients of an input between two samples
 # A power series of this number of terms is exact to rounding where the norm of its argument is at most `SHORT`.
 SHORT, TERMS = 0.5, 14
 
@@ -42,6 +42,7 @@ class Transition:
     G: RealArray  # (state, input coefficient)
     by_state: RealArray  # (parameter, state, state): derivatives of E
     by_input: RealArray  # (parameter, state, input coefficient): derivatives of G
+    shift: RealArray  # (input coefficient, input coefficient): those of a polynomial one step later
 
 
 def plant_of(
@@ -133,4 +134,5 @@ def transition(plant: Plant, step: Second) -> Transition:
         G=power[:size, size:],
         by_state=slopes[:, :, :size],
         by_input=slopes[:, :, size:],
+        shift=power[size:, size:],
     )

@@ -33,6 +33,7 @@ def estimate(
     gains: Sequence[str] | None = None,
     delays: Sequence[str] | None = None,
     mounts: Sequence[str] | None = None,
+    noisy: Sequence[str] | None = None,
     band_hz: tuple[Hertz, Hertz] | None = None,
     stretch: Second | None = None,
     road: Literal["iso8608"] | None = None,
@@ -42,8 +43,8 @@ def estimate(
 ) -> Estimate:
     """Estimate stiffness and damping of every strut directly from records, for known topology.
 
-    A free decay, or a record under exactly known roads or forces, is explained as motion of the suspension from an
-    unknown start, plus an offset and white noise of unknown level on every channel. The start and the offsets are
+    A free decay, or a record under known roads or forces, is explained as motion of the suspension from an unknown
+    start, plus an offset and white noise of unknown level on every channel. The start and the offsets are
     linear and eliminated; stiffnesses, dampings and free masses are found by maximum likelihood over all records
     jointly: Gauss-Newton steps with analytic derivatives, from several starts, along growing stretches of the records.
 
@@ -67,26 +68,31 @@ def estimate(
         Known masses and topology; its k and c are the nominal values: the start, and the values of fixed parameters. A
         strut of nominal stiffness 0 is a damper alone and stays one.
     given : sequence of str
-        What moves the car. Roads, and forces named as in `statespace`, count as exactly known; roads that are not given
-        do not move. Coordinates, such as ``("tire",)``, are given as measured by the channels. ``"roads"`` and
-        ``"wheels"`` are all of them. Empty: a free decay.
+        What moves the car. Roads, and forces named as in `statespace`, count as exactly known unless they are `noisy`;
+        roads that are not given do not move. Coordinates, such as ``("tire",)``, are given as measured by the channels.
+        ``"roads"`` and ``"wheels"`` are all of them. Empty: a free decay.
     fixed, bounds, ties, nominal_std, free_masses : optional
         Fixed, bounded and tied parameters, prior knowledge, and unknown masses, as in `reconstruct`. A given
         force gives unknown masses a scale, as known ones do.
     gains, delays : sequence of str, optional
         Channels whose gain [1], or delay behind the other channels [s], is unknown. Default: where motion is given, all
-        that show nothing but given motion; else none. Of all channels together only ratios of gains and differences of
-        delays can be found, and no delays under known roads and forces. Given motion may be seconds late or early.
+        that show nothing but given motion; else those without which the records are not explained. A known road or
+        force is a channel, too: beside it, gains and delays of all others can be found; without one, only ratios of
+        gains and differences of delays. Given motion, and channels beside a known road or force, may be seconds late.
     mounts : sequence of str, optional
         Struts whose damper may have a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
-        coordinates; else none. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
+        coordinates; else those without which the records are not explained. A rubber mount of 1e6 N/m that is left out
+        makes k of a driven car 20 % too large.
+    noisy : sequence of str, optional
+        Given roads and forces that are measured with noise of unknown level: it moves no part of the car, so it is in
+        the likelihood (errors in variables, as where motion is given). Default: where the records hold such noise.
     band_hz : (float, float), optional
-        Frequencies that are used where motion is given, and only there [Hz]. Default: from 0.4 times the lowest
-        natural frequency of the nominal car to 2.5 times the highest.
+        Frequencies that are used where motion is given, or causes are `noisy`, and only there [Hz]. Default: from 0.4
+        times the lowest natural frequency of the nominal car to 2.5 times the highest.
     stretch : float, optional
-        Length of the stretches that are transformed where motion is given [s]. Default: eight periods of the lowest
-        mode.
+        Length of the stretches that are transformed where motion is given, or causes are `noisy` [s]. Default: eight
+        periods of the lowest mode; 24 of them where causes are noisy.
     road : "iso8608", optional
         Model of the road, where the motion of wheels is given. Default: none; tires then stay at their nominal values.
         The damping of tires counts as known to 50 % unless it has a `nominal_std` or is fixed.
@@ -121,8 +127,9 @@ def estimate(
     Notes
     -----
     Without a given force the records determine ratios to the masses alone: all intervals hold for the masses as given.
-    How an input moves between two samples (on a cubic spline, on straight lines, or in steps) is taken from the record:
-    as it explains the motion best. Residuals that are not white widen the intervals by their spectrum.
+    How an input moves between two samples (on a spline of third or fifth degree, on straight lines, or in steps) is
+    taken from the record: as it explains the motion best. Residuals that are not white widen the intervals by their
+    spectrum.
 
     Where motion is given, `fitted` and `residual` contain the band only, and whether the residual of the outputs
     follows the given motion is tested: it does where the car lacks something, such as the other axle. Intervals are
@@ -153,6 +160,7 @@ def estimate(
         gains=gains,
         delays=delays,
         mounts=mounts,
+        noisy=noisy,
         band_hz=band_hz,
         stretch=stretch,
         road=road,

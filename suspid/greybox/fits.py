@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.roads import RoadEstimate
+from suspid.greybox.trials import Hold
 from suspid.model import Suspension
 from suspid.signals import Signal
 from suspid.units import Hertz, RealArray
@@ -37,3 +38,4 @@ class Fit:
     levels: tuple[Levels, ...] = ()  # by test, where motion is given
     roads: tuple[RoadEstimate, ...] = ()
     band: tuple[Hertz, Hertz] | None = None  # where motion is given
+    holds: tuple[Hold, ...] = ()  # by test: how inputs move between samples, in the time domain

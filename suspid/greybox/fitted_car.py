@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,25 +13,22 @@ from suspid.greybox.axle_data import Led, behind_of, check_rolled
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
-from suspid.greybox.further import further_asked
-from suspid.greybox.judgement import changed_check, far_or_vague, gains_off, on_bounds, rests_on
+from suspid.greybox.fitted_in_time import SensorsAsked, fitted_in_time
+from suspid.greybox.judgement import changed_check, far_or_vague, folded, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
-from suspid.greybox.onset import from_onset
 from suspid.greybox.parameter_ends import Spread, changed
-from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
-from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
-from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
+from suspid.reconstruction import Bounds, parameter_names, unknowns_of
 from suspid.records import as_response
 from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
 from suspid.wording import Argument
-from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 
@@ -48,6 +44,7 @@ class Asked(NamedTuple):
     gains: Sequence[str] | None = None
     delays: Sequence[str] | None = None
     mounts: Sequence[str] | None = None
+    noisy: Sequence[str] | None = None
     band_hz: tuple[Hertz, Hertz] | None = None
     stretch: Second | None = None
     road: Literal["iso8608"] | None = None
@@ -81,7 +78,9 @@ def fitted_car(
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as ",
             Argument("nominal_std"),
         )
-    if not any(driven):
+    if any(driven) and asked.noisy:
+        raise InputError(Argument("noisy"), ": the noise of measured motion is always allowed for; leave it out")
+    if not any(driven) and not asked.noisy:
         _check_unused({"band_hz": asked.band_hz, "stretch": asked.stretch})
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
@@ -106,8 +105,8 @@ def fitted_car(
         options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}
         fit = fit_drives(suspension, trials, unknowns, delays=asked.delays, band=asked.band_hz, options=options)
     else:
-        unknowns = further_asked(unknowns, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
-        fit, trials = _in_time(trials, unknowns, onsets=onsets and not any(len(trial.inputs) for trial in trials))
+        sensors = SensorsAsked(asked.gains, asked.delays, asked.mounts, asked.noisy, asked.band_hz, asked.stretch)
+        fit, trials, unknowns = fitted_in_time(trials, unknowns, sensors, onsets=onsets)
     u = unknowns
     parameters = (*u.names, *fit.extras)
     turned = np.zeros((len(parameters), len(fit.covariance)))
@@ -129,6 +128,7 @@ def fitted_car(
         *fit.checks,
         *on_bounds(u, fit.x),
         *gains_off(parameters, values, std),
+        *folded(parameters, values, std),
         changed_check(tuple(name for name in parameters if name in apart)),
         *far_or_vague(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
@@ -169,43 +169,9 @@ def fitted_car(
     )
 
 
-def _in_time(trials: tuple[Trial, ...], unknowns: Unknowns, *, onsets: bool) -> tuple[Fit, tuple[Trial, ...]]:
-    """Return the fit of decays or of motion under known causes; with ``onsets``, from where the decays begin.
-
-    That is if it is nearer to an explanation than a fit of the whole records, or if these have none.
-    """
-    try:
-        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
-    except EstimationError:
-        later = from_onset(trials) if onsets else None
-        if later is None:
-            raise
-        found = _of_decays(later, unknowns)
-        if found is None:
-            raise
-        return found, later
-    later = from_onset(trials) if onsets and not fit.explains else None
-    found = None if later is None else _of_decays(later, unknowns)
-    if later is None or found is None:
-        return fit, trials
-    if not found.explains and found.chi_square / max(found.freedom, 1) > fit.chi_square / max(fit.freedom, 1):
-        return fit, trials
-    return found, later
-
-
-def _of_decays(later: tuple[Trial, ...], unknowns: Unknowns) -> Fit | None:
-    """Return the fit of decays that were cut out of records; None where they do not determine the car."""
-    try:
-        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
-    except EstimationError:
-        return None
-    numbers: dict[str, Number] = {"starts": ", ".join(f"{trial.start:.6g}" for trial in later)}
-    return replace(found, checks=(*found.checks, Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)))
-
-
 def _driven(fit: Fit, trials: Sequence[Trial]) -> list[Check]:
     """Return what is said of records that count as free decays, are not explained and do not die down."""
-    free = all(not trial.wheels and not len(trial.inputs) for trial in trials)
+    free = all(not trial.causes for trial in trials)
     if not free or fit.explains or any(dies_down(trial.values) for trial in trials):
         return []
     each = [channel for trial in trials for channel in trial.channels]

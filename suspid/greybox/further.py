@@ -9,17 +9,19 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.greybox.trials import Trial
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray, Second
-from suspid.values import listed, nearest_names
+from suspid.values import nearest_names
 from suspid.wording import Argument
 
 TIMES: Second = 0.01  # unit of delays and relaxations
 FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
 RIGID = 1e-3  # of `TIMES`: the least relaxation in time, as good as a rigid mount
 GAINS = (1e-4, 1e4)  # between which a gain is looked for: a unit may be wrong by a thousand (mm for m)
+
+SENSOR_KINDS = ("mounts", "gains", "delays")  # as arguments of `estimate`
+INPUTS = -1  # in the place of a channel: the known input of a test, which is all its channels turned round
 
 Place = tuple[int, int]  # number of the test, and of the channel in it
 
@@ -30,9 +32,10 @@ class Sensing:
 
     gains: RealArray  # (channel,)
     delays: RealArray  # (channel,) [s]
-    # For each unknown gain or delay of all tests: its channel in this test, or none.
+    # For each unknown gain or delay of all tests: its channel in this test, `INPUTS`, or none.
     gain_of: tuple[int | None, ...] = ()
     delay_of: tuple[int | None, ...] = ()
+    input_gain: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -65,8 +68,12 @@ def with_further(
     mounts: Sequence[int] = (),
     gains: Sequence[tuple[str, Place]] = (),
     delays: Sequence[tuple[str, Place]] = (),
+    about: Sequence[tuple[Second, Second]] | None = None,
 ) -> Unknowns:
-    """Return unknowns with the relaxation of some struts as well, and gains and delays of channels, by name."""
+    """Return unknowns with the relaxation of some struts as well, and gains and delays of channels, by name.
+
+    ``about`` is where each delay is looked for, and how far to either side; by default about 0, without an end.
+    """
     u, a, b, c = unknowns, len(mounts), len(gains), len(delays)
     if not a + b + c:
         return unknowns
@@ -74,6 +81,7 @@ def with_further(
     names = [f"{u.car.struts[i].name}.relaxation" for i in mounts]
     names += [*(f"{name}.gain" for name, _ in gains), *(f"{name}.delay" for name, _ in delays)]
     scale, count = np.array([TIMES] * a + [1.0] * b + [TIMES] * c), a + b + c
+    middles, reaches = np.array([(0.0, np.inf)] * c if about is None else about).reshape(c, 2).T / TIMES
     spread = np.zeros((len(u.base) + count, len(u) + count))
     spread[: len(u.base), : len(u)] = u.spread
     spread[len(u.base) :, len(u) :] = np.diag(scale)
@@ -82,10 +90,10 @@ def with_further(
         "rows": [*u.rows, *(len(u.base) + i for i in range(count))],
         "column": [*u.column, *(len(u) + i for i in range(count))],
         "scale": np.append(u.scale, scale),
-        "nominal": np.append(u.nominal, [*relaxations, *[1.0] * b, *[0.0] * c]),
+        "nominal": np.append(u.nominal, [*relaxations, *[1.0] * b, *middles]),
         "positive": np.append(u.positive, np.array([False] * a + [True] * b + [False] * c, bool)),
-        "lower": np.append(u.lower, [*[RIGID] * a, *[GAINS[0]] * b, *[-np.inf] * c]),
-        "upper": np.append(u.upper, [*[np.inf] * a, *[GAINS[1]] * b, *[np.inf] * c]),
+        "lower": np.append(u.lower, [*[RIGID] * a, *[GAINS[0]] * b, *(middles - reaches)]),
+        "upper": np.append(u.upper, [*[np.inf] * a, *[GAINS[1]] * b, *(middles + reaches)]),
         "prior_std": np.append(u.prior_std, np.full(count, np.inf)),
         "base": np.append(u.base, np.zeros(count)),
         "spread": spread,
@@ -96,50 +104,6 @@ def with_further(
     )
 
 
-def further_asked(
-    unknowns: Unknowns,
-    trials: Sequence[Trial],
-    *,
-    gains: Sequence[str] | None,
-    delays: Sequence[str] | None,
-    mounts: Sequence[str] | None,
-) -> Unknowns:
-    """Return the unknowns in the time domain, with mounts, gains and delays that were asked for.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, or delays are asked for that cannot be found.
-    """
-    struts = [s.name for s in unknowns.car.struts]
-    damped = [s.name for s in unknowns.car.struts if s.damping > 0]
-    channels = tuple(dict.fromkeys(c for trial in trials for c in trial.channels))
-    late = chosen_of("delays", delays, channels, ())
-    for trial in trials:
-        if late and len(trial.inputs):
-            raise InputError(
-                Argument("delays"),
-                f": that of {listed(late)} cannot be found under a known road or force; shift the channels until "
-                f"they agree with the inputs, or give the motion of the wheels instead",
-            )
-        check_delays(late, trial.channels)
-
-    def places(names: Sequence[str]) -> list[tuple[str, tuple[int, int]]]:
-        return [
-            (label(channel, i, len(trials)), (i, trial.channels.index(channel)))
-            for i, trial in enumerate(trials)
-            for channel in names
-            if channel in trial.channels
-        ]
-
-    return with_further(
-        unknowns,
-        mounts=[struts.index(name) for name in chosen_of("mounts", mounts, damped, ())],
-        gains=places(chosen_of("gains", gains, channels, ())),
-        delays=places(late),
-    )
-
-
 def mounts_of(unknowns: Unknowns) -> tuple[int, ...]:
     """Return the struts whose relaxation is unknown."""
     return unknowns.mounts if isinstance(unknowns, FurtherUnknowns) else ()
@@ -147,18 +111,21 @@ def mounts_of(unknowns: Unknowns) -> tuple[int, ...]:
 
 def sensing_of(unknowns: Unknowns, p: RealArray, test: int, channels: int) -> Sensing:
     """Return what the channels of a test do at parameters p."""
-    gains, delays = np.ones(channels), np.zeros(channels)
+    gains, delays, high, late = np.ones(channels), np.zeros(channels), 1.0, 0.0
     if not isinstance(unknowns, FurtherUnknowns):
         return Sensing(gains=gains, delays=delays)
     u = unknowns
     first = u.plain + len(u.gains)
     for places, values, into in ((u.gains, p[u.plain : first], gains), (u.delays, p[first:], delays)):
         for (owner, channel), value in zip(places, values.tolist(), strict=True):
-            if owner == test:
+            if owner == test and channel != INPUTS:
                 into[channel] = value
+            elif owner == test:
+                high, late = (value, late) if into is gains else (high, value)
     return Sensing(
-        gains=gains,
-        delays=delays,
+        gains=gains / high,
+        delays=delays - late,
+        input_gain=high,
         gain_of=tuple(channel if owner == test else None for owner, channel in u.gains),
         delay_of=tuple(channel if owner == test else None for owner, channel in u.delays),
     )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import EstimationError
+from suspid.greybox.clocks import clear_lag
 from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import label
@@ -20,12 +21,8 @@ from suspid.greybox.wheel_problem import band_of, by_logger, wheel_problem
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.signals import PASSED
-from suspid.units import Hertz, Ratio, Second
+from suspid.units import Hertz, Second
 
-# Agreement of the nominal car with a record at some lag, over that at any other, from which the lag is believed: a
-# periodic motion agrees at many.
-CLEARLY_BEST: Ratio = 2.0
-LONGEST_LAG: Ratio = 0.25  # lag, over a record, that is looked for: the rest must still be worth a fit
 LOOKED_THROUGH: Second = 120.0  # of a record, in which lags are looked for: some 100 periods of the body
 
 
@@ -93,13 +90,7 @@ def _lag(car: Suspension, trial: Trial, delays: Sequence[str] | None, band: tupl
     power = np.sum(np.abs(shown) ** 2, axis=1) * np.sum(np.abs(lines[outputs]) ** 2, axis=1)
     found = np.fft.irfft(both, 2 * trial.count) ** 2
     score = np.sum(found / np.maximum(power, np.finfo(float).tiny)[:, None], axis=0)
-    lags = np.fft.fftfreq(2 * trial.count, 1 / (2 * trial.count)).astype(int)
-    looked = np.abs(lags) <= LONGEST_LAG * trial.count
-    best = int(lags[looked][np.argmax(score[looked])])
-    period = 1 / (high * trial.step)
-    others = looked & (np.abs(lags - best) > period)
-    clear = score[best] > CLEARLY_BEST * np.max(score[others], initial=0.0)
-    return best if clear and abs(best) > period else 0
+    return clear_lag(score, trial.count, 1 / (high * trial.step))
 
 
 def _nominal(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.greybox.dynamics import DEGREE, Plant, plant_of, transition
-from suspid.greybox.further import Sensing
+from suspid.greybox.further import INPUTS, Sensing
 from suspid.greybox.trials import Hold, Trial, input_pieces
 from suspid.model import Suspension
 from suspid.simulation import recursion
@@ -52,38 +52,39 @@ def output_error(
     seen = _seen(plant, trial, n, sensing)
     C, D = seen.C, seen.D
     count, size, channels = trial.count, plant.states, len(trial.channels)
-    free = recursion(step.E.T, None, C.T, count).transpose(2, 1, 0) / std[:, None, None]
+    whole_count = count + 2 * trial.margin
+    free = seen.own(recursion(step.E.T, None, C.T, whole_count).transpose(2, 1, 0), count) / std[:, None, None]
     basis, back = _orthonormal(
         _without_offsets(free).reshape(channels * count, size), np.sqrt(np.einsum("ijk,ijk->k", free, free))
     )
     linear = basis.shape[1] + channels
-    forcing, pieces, jumps = None, np.zeros((count, 0)), np.zeros((count, 0))
+    forcing, pieces, jumps = None, np.zeros((whole_count, 0)), np.zeros((whole_count, 0))
     y = trial.values.copy()
     if len(trial.inputs):
         pieces, jumps = input_pieces(trial, hold)
         strokes = plant.F[:, size + 1 :: DEGREE]
         forcing = (step.G @ pieces.T + strokes @ jumps.T)[:, :, None]
-        y -= C @ recursion(step.E, forcing, np.zeros((size, 1)), count)[:, :, 0] + D @ pieces.T
+        y -= seen.own(C @ recursion(step.E, forcing, np.zeros((size, 1)), whole_count)[:, :, 0] + D @ pieces.T, count)
     left = (_without_offsets(y) / std[:, None]).ravel()
     amounts = basis.T @ left
     rest = (left - basis @ amounts).reshape(channels, count) * std[:, None]
     if not len(rows):
         return OutputError(residual=rest, slope=np.zeros((channels, count, 0)), linear=linear)
     start = (back @ amounts)[:size]
-    x = recursion(step.E, forcing, start[:, None], count)[:, :, 0]
+    x = recursion(step.E, forcing, start[:, None], whole_count)[:, :, 0]
     whole = np.concatenate([x.T, pieces], axis=1)
     # Slopes of one step as one matrix: (state and input coefficient) by (state, parameter).
     turns = np.concatenate([step.by_state, step.by_input], axis=2).transpose(2, 1, 0)
-    pushed = (whole @ turns.reshape(len(turns), -1)).reshape(count, size, len(own))
+    pushed = (whole @ turns.reshape(len(turns), -1)).reshape(whole_count, size, len(own))
     if len(trial.inputs):
         struck = jumps @ plant.f[:, size + 1 :: DEGREE].T
         pushed += plant.b.T[None] * struck[:, None, :]
-    moved = recursion(step.E, pushed.transpose(1, 0, 2), np.zeros((size, len(own))), count)
-    slope = (C @ moved.reshape(size, -1)).reshape(channels, count, len(own))
+    moved = recursion(step.E, pushed.transpose(1, 0, 2), np.zeros((size, len(own))), whole_count)
+    slope = (C @ moved.reshape(size, -1)).reshape(channels, whole_count, len(own))
     if np.any(seen.slopes):
         direct = whole @ seen.slopes.reshape(-1, whole.shape[1]).T
-        slope += direct.reshape(count, channels, len(own)).swapaxes(0, 1)
-    slope = np.concatenate([slope, _by_sensing(seen, whole, sensing)], axis=2)
+        slope += direct.reshape(whole_count, channels, len(own)).swapaxes(0, 1)
+    slope = seen.own(np.concatenate([slope, _by_sensing(seen, whole, sensing)], axis=2), count)
     flat = (_without_offsets(slope) / -std[:, None, None]).reshape(channels * count, len(rows))
     flat -= basis @ (basis.T @ flat)
     return OutputError(residual=rest, slope=flat.reshape(slope.shape) * std[:, None, None], linear=linear)
@@ -96,14 +97,22 @@ class _Seen:
     C: RealArray  # (channel, state)
     D: RealArray  # (channel, input coefficient)
     slopes: RealArray  # (channel, parameter, state and input coefficient): derivatives of both
-    by_time: RealArray  # (channel, state): rate of C x along a free motion
+    rate: RealArray  # (channel, state and input coefficient): what moves on in a second
+    first: tuple[int, ...]  # (channel,): the sample of the inputs that the first one of the channel shows
+
+    def own(self, rows: RealArray, count: int) -> RealArray:
+        """Return what each channel shows at its samples, of rows (channel, sample of the inputs, …)."""
+        if rows.shape[1] == count:
+            return rows
+        return np.stack([row[k : k + count] for row, k in zip(rows, self.first, strict=True)])
 
 
 def _seen(plant: Plant, trial: Trial, n: int, sensing: Sensing) -> _Seen:
     """Return what the channels show.
 
-    A delay counts from the latest channel: at the others the state moves on, ``C exp(A (tau_max - tau))``, which is
-    exact without inputs, and whose start is unknown anyway.
+    Without inputs, a delay counts from the latest channel: at the others the state moves on, ``C exp(A (tau_max -
+    tau))``, whose start is unknown anyway. With inputs a channel shows the motion a part of a step after some sample,
+    which is as exact as that of a whole step.
     """
     size, width = plant.F.shape
     C, D = np.zeros((len(trial.channels), size)), np.zeros((len(trial.channels), width - size))
@@ -116,13 +125,32 @@ def _seen(plant: Plant, trial: Trial, n: int, sensing: Sensing) -> _Seen:
             C[row], D[row] = weights @ plant.F[n : 2 * n, :size], weights @ plant.F[n : 2 * n, size:]
             slopes[row] = (plant.b[:, n : 2 * n] @ weights)[:, None] * plant.f
         D[row, order : DEGREE * len(trial.roads) : DEGREE] += trial.road_weights[row, list(trial.roads)]
-    for row, ahead in enumerate(np.max(sensing.delays) - sensing.delays):
-        if ahead > 0:
-            later = transition(plant, float(ahead))
-            slopes[row, :, :size] = slopes[row, :, :size] @ later.E + C[row] @ later.by_state
-            C[row] = C[row] @ later.E
+    rate = C @ plant.F
+    for i in range(width - size - 1):
+        # The derivative of a coefficient is the next one, up to the last of each input.
+        rate[:, size + i + 1] += D[:, i] if (i + 1) % DEGREE else 0.0
+    first = []
+    forced = len(trial.inputs) > 0
+    for row, ahead in enumerate((0.0 if forced else np.max(sensing.delays)) - sensing.delays):
+        steps = int(np.floor(ahead / trial.step)) if forced else 0
+        first.append(trial.margin + steps)
+        part = float(ahead - steps * trial.step)
+        if part > 0:
+            later = transition(plant, part)
+            on_state, on_input = slopes[row, :, :size], slopes[row, :, size:]
+            slopes[row] = np.concatenate(
+                [
+                    on_state @ later.E + C[row] @ later.by_state,
+                    on_state @ later.G + C[row] @ later.by_input + on_input @ later.shift,
+                ],
+                axis=1,
+            )
+            C[row], D[row] = C[row] @ later.E, C[row] @ later.G + D[row] @ later.shift
+            rate[row] = np.concatenate(
+                [rate[row, :size] @ later.E, rate[row, :size] @ later.G + rate[row, size:] @ later.shift]
+            )
     gains = sensing.gains[:, None]
-    return _Seen(C=C * gains, D=D * gains, slopes=slopes * gains[:, :, None], by_time=C * gains @ plant.F[:, :size])
+    return _Seen(C=C * gains, D=D * gains, slopes=slopes * gains[:, :, None], rate=rate * gains, first=tuple(first))
 
 
 def _by_sensing(seen: _Seen, whole: RealArray, sensing: Sensing) -> RealArray:
@@ -132,11 +160,13 @@ def _by_sensing(seen: _Seen, whole: RealArray, sensing: Sensing) -> RealArray:
     for i, channel in enumerate((*sensing.gain_of, *sensing.delay_of)):
         if channel is None:
             continue
+        rows = slice(None) if channel == INPUTS else slice(channel, channel + 1)
         if i < len(sensing.gain_of):
-            shown = whole[:, :size] @ seen.C[channel] + whole[:, size:] @ seen.D[channel]
-            slope[channel, :, i] = shown / sensing.gains[channel]
+            high = sensing.input_gain
+            factor = np.array([[-high]]) if channel == INPUTS else high * sensing.gains[rows, None]
+            slope[rows, :, i] = (seen.C[rows] @ whole[:, :size].T + seen.D[rows] @ whole[:, size:].T) / factor
         else:
-            slope[channel, :, i] = -(whole[:, :size] @ seen.by_time[channel])
+            slope[rows, :, i] = (seen.rate[rows] if channel == INPUTS else -seen.rate[rows]) @ whole.T
     return slope
 
 

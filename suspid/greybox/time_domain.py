@@ -90,6 +90,7 @@ def fit_in_time(problem: Problem) -> Fit:
         explains=explains,
         alternatives=tuple(u.suspension(other.x) for other in others),
         checks=tuple(checks),
+        holds=problem.holds,
     )
 
 
@@ -203,7 +204,7 @@ def _caused(problem: Problem, errors: list[OutputError]) -> tuple[Ratio, str]:
     """Return how much of the motion of a channel is left of it and follows known roads and forces, and the channel."""
     found = []
     for trial, error in zip(problem.trials, errors, strict=True):
-        share = caused_share(error.residual, trial.values, trial.inputs)
+        share = caused_share(error.residual, trial.values, trial.inputs_beside)
         worst = int(np.argmax(share))
         found.append((float(np.sqrt(max(share[worst], 0.0))), trial.channels[worst]))
     return max(found)

@@ -41,6 +41,7 @@ class Layout:
     on_given: RealArray  # (channel, given coordinate)
     arms_free: RealArray  # (strut, free coordinate)
     arms_given: RealArray  # (strut, given coordinate)
+    pushes: RealArray  # (free coordinate, given): of forces that are measured
 
     @property
     def bridges(self) -> tuple[int, ...]:
@@ -57,6 +58,8 @@ def layout_of(car: Suspension, trial: Trial) -> Layout:
         If a free coordinate stands on a road that is not given, nothing is left free, or the channels do not show the
         given motion, or nothing else.
     """
+    if len(trial.sensed_roads) + trial.sensed_forces:
+        return _of_inputs(car, trial)
     given = list(trial.wheels)
     free = [i for i in range(len(car.coordinates)) if i not in given]
     if not free:
@@ -98,6 +101,26 @@ def layout_of(car: Suspension, trial: Trial) -> Layout:
         on_given=on_given,
         arms_free=arms[:, free],
         arms_given=arms[:, given],
+        pushes=np.zeros((len(free), len(given))),
+    )
+
+
+def _of_inputs(car: Suspension, trial: Trial) -> Layout:
+    """Return the layout of a trial whose last channels measure the roads and forces that move it."""
+    roads, forces, channels = len(trial.sensed_roads), trial.sensed_forces, len(trial.channels)
+    arms, on_force = car.arms(car.coordinates), np.zeros((channels, forces))
+    on_force[channels - forces :] = np.eye(forces)
+    return Layout(
+        free=tuple(range(len(car.coordinates))),
+        given=tuple(range(roads + forces)),
+        causes=tuple(range(channels - roads - forces, channels)),
+        outputs=tuple(range(channels - roads - forces)),
+        orders=trial.orders,
+        on_free=trial.weights,
+        on_given=np.hstack([trial.road_weights[:, list(trial.sensed_roads)], on_force]),
+        arms_free=arms,
+        arms_given=np.hstack([car.arms(car.roads)[:, list(trial.sensed_roads)], np.zeros((len(arms), forces))]),
+        pushes=np.hstack([np.zeros((len(car.coordinates), roads)), trial.forces.T]),
     )
 
 
@@ -151,6 +174,7 @@ def _motion(layout: Layout, s: ComplexArray, physics: Physics) -> _Motion:
     own = np.arange(len(layout.free))
     D[:, own, own] += s[:, None] ** 2 * physics.masses[list(layout.free)]
     N = -(b @ (af[:, :, None] * ag[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], ag.shape[1])
+    N = N + layout.pushes
     inverse = inverses(np.asarray(D, complex))
     derive = np.stack([_power(s, order) for order in layout.orders.tolist()], axis=1) * physics.gains
     if np.any(physics.delays):

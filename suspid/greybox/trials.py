@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from suspid.cleaning import is_pair
 from suspid.errors import InputError, RecordError
 from suspid.greybox.car_records import example, force_names, record_of_car, renaming
+from suspid.greybox.dynamics import DEGREE
 from suspid.greybox.record_test import RecordTest
 from suspid.greybox.wheels import wheels_of
 from suspid.identification import WhiteNoise, resolution
@@ -25,9 +26,11 @@ from suspid.wording import Argument, AtCommandLine
 if TYPE_CHECKING:
     import control
 
-# How an input moves between two samples: as the last one, on a straight line, on a cubic spline.
-Hold = Literal["zero", "linear", "cubic"]
-HOLDS: tuple[Hold, ...] = ("cubic", "linear", "zero")
+# How an input moves between two samples: as the last one, on a straight line, on a cubic spline, on one of the fifth
+# degree. The latter follows motion of a fifth of the rate to 1e-4, the cubic one to 7e-3.
+Hold = Literal["zero", "linear", "cubic", "quintic"]
+HOLDS: tuple[Hold, ...] = ("cubic", "quintic", "linear", "zero")
+SPLINES: Mapping[Hold, int] = {"cubic": 3, "quintic": 5}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -50,11 +53,20 @@ class Trial:
     unused: tuple[str, ...]  # channels that measure nothing of the suspension
     logger: str | None = None
     causes: tuple[str, ...] = ()  # names of the inputs, or of the channels that show given motion alone
+    margin: int = 0  # samples by which the inputs begin before the channels, and end behind them
+    sensed_roads: tuple[int, ...] = ()  # roads that channels measure, with noise, and that are the cause
+    sensed_forces: int = 0  # of `forces`, those that the last channels measure with noise
+    uncut: RealArray | None = None  # the channels beside all of the inputs, where these begin before
 
     @property
     def known(self) -> dict[str, RealArray]:
         """The inputs by name."""
-        return dict(zip(self.causes, self.inputs, strict=False))
+        return dict(zip(self.causes, self.inputs_beside, strict=False))
+
+    @property
+    def inputs_beside(self) -> RealArray:
+        """The inputs at the samples of the channels."""
+        return self.inputs[:, self.margin : self.margin + self.count]
 
     @property
     def count(self) -> int:
@@ -63,7 +75,44 @@ class Trial:
 
     def first(self, count: int) -> Trial:
         """Return the first samples alone."""
-        return replace(self, values=self.values[:, :count], inputs=self.inputs[:, :count])
+        values, inputs = self.values[:, :count], self.inputs[:, : count + 2 * self.margin]
+        return replace(self, values=values, inputs=inputs, uncut=None)
+
+    def within(self, margin: int) -> Trial:
+        """Return the channels without some samples at both ends, where the inputs stay."""
+        if not margin:
+            return self
+        values, start = self.values[:, margin : self.count - margin], self.start + margin * self.step
+        return replace(self, values=values, uncut=self.values, margin=margin, start=start)
+
+    def with_noisy_inputs(self) -> Trial:
+        """Return the trial with its inputs as channels of unknown noise."""
+        shown = self.values if self.uncut is None else self.uncut
+        roads, forces, width = len(self.roads), len(self.forces), self.road_weights.shape[1]
+        on_road = np.eye(width)[list(self.roads)]
+        return replace(
+            self.whole,
+            values=frozen_real(np.concatenate([shown, self.inputs])),
+            channels=(*self.channels, *self.causes[: len(self.inputs)]),
+            orders=np.append(self.orders, np.zeros(roads + forces, int)),
+            weights=frozen_real(np.concatenate([self.weights, np.zeros((roads + forces, self.weights.shape[1]))])),
+            road_weights=frozen_real(np.concatenate([self.road_weights, on_road, np.zeros((forces, width))])),
+            roads=(),
+            inputs=frozen_real(np.zeros((0, shown.shape[1]))),
+            noise=WhiteNoise(
+                least=frozen_real(np.append(self.noise.least, np.maximum(resolution(self.inputs) ** 2, 1e-300)))
+            ),
+            sensed_roads=self.roads,
+            sensed_forces=forces,
+        )
+
+    @property
+    def whole(self) -> Trial:
+        """The trial with the channels beside all of the inputs."""
+        if self.uncut is None:
+            return self
+        start = self.start - self.margin * self.step
+        return replace(self, values=self.uncut, uncut=None, margin=0, start=start)
 
 
 def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> tuple[Trial, ...]:
@@ -123,8 +172,9 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     if not use:
         raise RecordError(
             f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels by what they "
-            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration', and describe sensors at "
-            f"other points of the body under [sensors] in the car file",
+            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration', or describe them under "
+            f"[sensors] in the car file, as in "
+            f'\'"{signal.channels[0]}" = {{ acceleration = "{car.coordinates[0]}" }}\'',
             AtCommandLine("rename", example(signal.channels, car.coordinates)),
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
@@ -199,29 +249,27 @@ def _force(car: Suspension, name: str, channels: Sequence[str]) -> RealArray:
 
 
 def input_pieces(trial: Trial, hold: Hold) -> tuple[RealArray, RealArray]:
-    """Return the inputs between samples: their coefficients (sample, 4 per input), and jumps at the next sample.
+    """Return the inputs between samples: their coefficients (sample, coefficient), and jumps at the next sample.
 
     An input that is held steps at the samples: the jumps (sample, input) are those at the end of each step.
     """
-    count, size = trial.count, len(trial.inputs)
-    pieces, jumps = np.zeros((count, size, 4)), np.zeros((count, size))
+    count, size = trial.count + 2 * trial.margin, len(trial.inputs)
+    pieces, jumps = np.zeros((count, size, DEGREE)), np.zeros((count, size))
     u, h = trial.inputs.T, trial.step
     pieces[:, :, 0] = u
-    if size and hold == "cubic" and count > 3:
-        from scipy.interpolate import CubicSpline
+    degree = SPLINES.get(hold, 0)
+    if size and count > degree > 0:
+        from scipy.interpolate import make_interp_spline
 
-        c = CubicSpline(h * np.arange(count), u).c
-        for i, factor in ((1, 1.0), (2, 2.0), (3, 6.0)):
-            pieces[:-1, :, i] = factor * c[3 - i]
-        last = pieces[-2]
-        pieces[-1, :, 1] = last[:, 1] + h * last[:, 2] + h**2 / 2 * last[:, 3]
-        pieces[-1, :, 2] = last[:, 2] + h * last[:, 3]
+        spline, times = make_interp_spline(h * np.arange(count), u, degree), h * np.arange(count)
+        for order in range(1, degree + 1):
+            pieces[:, :, order] = spline(times, order)
     elif size and hold != "zero":
         pieces[:-1, :, 1] = np.diff(u, axis=0) / h
         pieces[-1, :, 1] = pieces[-2, :, 1]
     elif size:
         jumps[:-1] = np.diff(u, axis=0)
-    return pieces.reshape(count, 4 * size), jumps
+    return pieces.reshape(count, DEGREE * size), jumps
 
 
 def signal_of(trial: Trial) -> Signal:

@@ -62,8 +62,9 @@ def wheel_problem(
         )
     struts = [s.name for s in car.struts]
     layout = sources[0].layout
-    damped = [struts[j] for j in layout.bridges if np.any(layout.arms_given[j]) and car.struts[j].damping > 0]
-    springy = tuple(struts.index(name) for name in chosen_of("mounts", mounts, damped, damped))
+    damped = [j for j in layout.bridges if car.struts[j].damping > 0]
+    between = [struts[j] for j in damped if np.any(layout.arms_given[j])]
+    springy = tuple(struts.index(name) for name in chosen_of("mounts", mounts, [struts[j] for j in damped], between))
     bare = WheelProblem(sources=tuple(sources), unknowns=unknowns, extras=_extras(car, springy, [], []))
     return replace(
         bare,

@@ -56,16 +56,9 @@ def _unexplained(numbers: Numbers) -> str:
         if "inputs" in numbers:
             one = len(numbers["inputs"]) == 1
             said += (
-                f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known: the car colours the "
-                f"noise of {'its sensor' if one else 'their sensors'}, and the intervals do not allow for it in full."
+                f" {in_a_row(numbers['inputs'])} {'counts' if one else 'count'} as exactly known, and white noise of "
+                f"{'its sensor' if one else 'their sensors'} does not explain it either."
             )
-    if "inputs" in numbers:
-        # Delays cannot be estimated under known causes.
-        return (
-            f"{said} Estimate what may be missing as well: mounts of dampers and gains of channels "
-            f"({Argument('mounts', '…')}, {Argument('gains', '…')}); shift channels that are "
-            f"late, or give the motion of the wheels instead; or describe another mass."
-        )
     return (
         f"{said} Estimate what may be missing as "
         f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
@@ -163,6 +156,20 @@ class EstimateCheck(Code):
         "The records begin before the free decay, at rest or still being pushed: used from {starts} s on, to where the "
         "decay ends.",
     )
+    NEEDED = (
+        "needed",
+        _listed(
+            "Estimated as well, because the records are not explained without: {names}. Where a sensor is known to be "
+            "right, hold its gain at 1 and its delay at 0, and look for what the car lacks."
+        ),
+    )
+    NOISY_INPUTS = (
+        "noisy inputs",
+        _listed(
+            "The noise of the measured cause is part of the model, with a level found from the records: {names}. The "
+            "intervals allow for it."
+        ),
+    )
     UNITS = (
         "units",
         _listed(
@@ -255,6 +262,14 @@ class EstimateCheck(Code):
     UNUSED = (
         "unused",
         _listed("Not used, because they measure nothing of the car, or a road that is not given: channels {names}."),
+    )
+    FOLDED = (
+        "folded",
+        _listed(
+            "{names} are {seconds:.2g} s both, and cancel: motion above half the sampling rate may be folded into the "
+            "band, as by edges of potholes and steps where a logger has no filter against aliasing. Dampers are then "
+            "off by some percent. Switch on the filter of the logger, or record faster."
+        ),
     )
     CHANGED = (
         "changed",
