@@ -14,11 +14,7 @@ from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
 from suspid.identification import Considered, Identification
 from suspid.values import frozen_real
-from suspid.words import DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
-
-# Doubts of a stretch that is no evidence without support: that it is free motion at all, or as long as two cycles of
-# its slowest mode.
-NO_EVIDENCE = GRAVE | {DecayDoubt.TOO_SHORT}
+from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
 
 
 def supported(found: Identification, stretch: Used, settings: Settings) -> Identification:
@@ -30,7 +26,7 @@ def supported(found: Identification, stretch: Used, settings: Settings) -> Ident
     stretch or the number of modes, is not questioned.
     """
     chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
-    reason = None if chosen or found.method != "likelihood" else _reason(found, stretch.used, stretch.decays)
+    reason = None if chosen or found.method != "likelihood" else _reason(found, stretch)
     if reason is None:
         return found
     none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles)
@@ -44,8 +40,9 @@ def supported(found: Identification, stretch: Used, settings: Settings) -> Ident
     )
 
 
-def _reason(found: Identification, used: Sequence[Decay], decays: Sequence[Decay]) -> Remark | None:
+def _reason(found: Identification, stretch: Used) -> Remark | None:
     """Return the reason why the modes of an identification are none, if there is one."""
+    used, decays = stretch.used, stretch.decays
     if level_of(found, used, decays) is not Level.DOUBTFUL:
         return None
     doubts = [check for check in doubts_of(used, found, decays) if check.level is Level.DOUBTFUL]
@@ -56,9 +53,24 @@ def _reason(found: Identification, used: Sequence[Decay], decays: Sequence[Decay
         return Remark(Reason.BY_CHANCE, unlike[0])
     if not used and not swings(found.modes):
         return Remark(Reason.NO_SWING)
-    short = any(doubt.code is DecayDoubt.TOO_SHORT for decay in used for doubt in decay.doubts)
-    weak = grave or short if used else not settled(found)
-    return Remark(Reason.UNSUPPORTED) if weak and _alone(found) and not _again(found, used, decays) else None
+    weak = grave or _one_place(found) or (_short(used) if used else not _free(found, stretch.notes))
+    return Remark(Reason.UNSUPPORTED) if weak and _alone(found) and not _again(found, stretch) else None
+
+
+def _short(used: Sequence[Decay]) -> bool:
+    """Return whether the stretch is shorter than two cycles of its slowest mode."""
+    return any(doubt.code is DecayDoubt.TOO_SHORT for decay in used for doubt in decay.doubts)
+
+
+def _free(found: Identification, notes: Sequence[Remark]) -> bool:
+    """Return whether a whole record is free motion down to noise, and was not used for want of a clear decay."""
+    return settled(found) and not any(note.code is Note.WHOLE_RECORD and not note.numbers["clear"] for note in notes)
+
+
+def _one_place(found: Identification) -> bool:
+    """Return whether several modes move several channels alike: modes of a structure have shapes of their own."""
+    several = len(found.modes) > 1 and len(found.noise_std) > 1
+    return several and any(check.remark.code is ModeCheck.ONE_SHAPE for check in found.verdict.checks)
 
 
 def _alone(found: Identification) -> bool:
@@ -67,7 +79,9 @@ def _alone(found: Identification) -> bool:
     return any(c.level is Level.DOUBTFUL and c.remark.code is ModeCheck.NOT_CROSS_CHECKED for c in checks)
 
 
-def _again(found: Identification, used: Sequence[Decay], decays: Sequence[Decay]) -> bool:
-    """Return whether another stretch shows a mode; of parts of the whole record, two have to."""
-    apart = [d for d in decays if all(d.stop <= one.start or d.start >= one.stop for one in used)]
-    return sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in apart if d.wn.size) >= (1 if used else 2)
+def _again(found: Identification, stretch: Used) -> bool:
+    """Return whether another stretch that may be free motion shows a mode; of parts of the whole record, two do."""
+    used = stretch.used
+    apart = [d for d in stretch.decays if all(d.stop <= one.start or d.start >= one.stop for one in used)]
+    free = [d for d in apart if d.wn.size and not any(doubt.code in GRAVE for doubt in d.doubts)]
+    return sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free) >= (1 if used else 2)
