@@ -1,5 +1,6 @@
 """A doubtful mode needs support besides the fit to one stretch: halves, channels, or another stretch."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -110,11 +111,20 @@ class TestWholeRecords:
         left = supported(found, stretch(found, (), ()), Settings())
         assert (len(found.modes), [c.remark.code for c in left.considered][:1]) == (1, [Reason.NO_SWING])
 
-    @pytest.mark.parametrize("searched", [True, False])
-    def test_a_record_that_is_used_for_want_of_a_decay_needs_support(self, searched: bool) -> None:
+    @pytest.mark.parametrize(
+        ("searched", "late", "kept"), [(True, True, False), (False, True, True), (True, False, True)]
+    )
+    def test_a_record_that_is_used_for_want_of_a_decay_needs_support(
+        self, searched: bool, late: bool, kept: bool
+    ) -> None:
+        """One that moves most at its first sample may be a decay without a search; the fit is the same in each case."""
         found = identified(0.5)
+        record = found.response
+        if late:
+            record = as_response(as_signal(record).timepts, as_signal(record).values[:, ::-1], ["seat"])
         notes = (Remark(Note.WHOLE_RECORD, WHOLE),) if searched else ()
-        assert bool(len(supported(found, stretch(found, (), (), *notes), Settings()).modes)) is not searched
+        whole = replace(stretch(found, (), (), *notes), record=record)
+        assert bool(len(supported(found, whole, Settings()).modes)) is kept
 
 
 @pytest.mark.parametrize(

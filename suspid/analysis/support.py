@@ -13,6 +13,8 @@ from suspid.analysis.stretch import swings
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
 from suspid.identification import Considered, Identification
+from suspid.records import late_start
+from suspid.signals import as_signal
 from suspid.values import frozen_real
 from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
 
@@ -53,7 +55,7 @@ def _reason(found: Identification, stretch: Used) -> Remark | None:
         return Remark(Reason.BY_CHANCE, unlike[0])
     if not used and not swings(found.modes):
         return Remark(Reason.NO_SWING)
-    weak = grave or _one_place(found) or (_short(used) if used else not _free(found, stretch.notes))
+    weak = grave or _one_place(found) or (_short(used) if used else not _let_go(found, stretch))
     return Remark(Reason.UNSUPPORTED) if weak and _alone(found) and not _again(found, stretch) else None
 
 
@@ -62,9 +64,13 @@ def _short(used: Sequence[Decay]) -> bool:
     return any(doubt.code is DecayDoubt.TOO_SHORT for decay in used for doubt in decay.doubts)
 
 
-def _free(found: Identification, notes: Sequence[Remark]) -> bool:
-    """Return whether a whole record is free motion down to noise, and was not used for want of a clear decay."""
-    return settled(found) and not any(note.code is Note.WHOLE_RECORD and not note.numbers["clear"] for note in notes)
+def _let_go(found: Identification, stretch: Used) -> bool:
+    """Return whether a whole record begins as a decay does, or is free motion that no search for decays was needed for.
+
+    What moves most at a later time was set in motion within the record.
+    """
+    wanting = any(note.code is Note.WHOLE_RECORD and not note.numbers["clear"] for note in stretch.notes)
+    return late_start(as_signal(stretch.record)) is None or (settled(found) and not wanting)
 
 
 def _one_place(found: Identification) -> bool:
