@@ -13,13 +13,13 @@ from suspid.analysis.used import Used
 from suspid.decays import Decay
 from suspid.records import as_response
 from suspid.signals import as_signal
-from suspid.words import DecayDoubt, Note, Reason, Remark
+from suspid.words import DecayDoubt, Note, Number, Reason, Remark
 from validation import no_decay
 
 HERTZ = 1.5
 MISSING = Remark(DecayDoubt.MODES_MISSING, {"hertz": (3.0,)})
 SHORT = Remark(DecayDoubt.TOO_SHORT, {"hertz": HERTZ, "cycles": 1.5})
-WHOLE = {"found": 0, "clear": 0, "modes": 1, "best": "", "remarks": ""}
+WHOLE: dict[str, Number] = {"found": 0, "clear": 0, "modes": 1, "best": "", "remarks": ""}
 
 
 @cache
