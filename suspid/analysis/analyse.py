@@ -17,6 +17,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import stretch_of
+from suspid.analysis.support import supported
 from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
@@ -226,7 +227,8 @@ def _check_types(car: object, settings: object) -> None:
 def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None]:
     """Return the identification of the decay and, where several are used, that of all jointly."""
     if len(stretch.used) < 2:
-        return stretch.identification or identified(stretch.record, settings), None
+        found = stretch.identification or identified(stretch.record, settings)
+        return supported(found, stretch, settings), None
     repeats = identify_repeats(
         held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz
     )

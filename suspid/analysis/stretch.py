@@ -97,12 +97,12 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     clear = [decay for decay in decays if not by_chance(decay)]
     if clear:
         best = used_of(record, decays, clear[0])
-        if late and not clear[0].doubts and _swings(clear[0]):
+        if late and not clear[0].doubts and swings(clear[0]):
             return best
         part = tried(best.record, settings)
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
-        pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not _swings(part.modes)
+        pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not swings(part.modes)
         if part is not None and not pulse and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
         if not pulse and (whole is None or not len(whole.modes)):
@@ -213,12 +213,12 @@ def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Dec
     for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):
         used = used_of(record, decays, decay)
         found = tried(used.record, settings)
-        if found is not None and len(found.modes) and _swings(found.modes):
+        if found is not None and len(found.modes) and swings(found.modes):
             return replace(used, identification=found)
     return None
 
 
-def _swings(modes: Decay | ModalSet) -> bool:
+def swings(modes: Decay | ModalSet) -> bool:
     """Return whether the slowest mode makes cycles that can be seen, or there is none."""
     return not modes.wn.size or float(modes.zeta[np.argmin(modes.wn)]) < NO_CYCLE
 

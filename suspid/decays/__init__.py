@@ -10,7 +10,7 @@ again).
 
 from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
-from suspid.decays.others import in_common
+from suspid.decays.others import SAME_MODE, in_common
 from suspid.decays.predictions import releases_before
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
@@ -22,6 +22,7 @@ __all__ = [
     "FIT",
     "GRAVE",
     "LOOK_BLOCKS",
+    "SAME_MODE",
     "TRIAL_PARTS",
     "Decay",
     "Decays",

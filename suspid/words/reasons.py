@@ -14,6 +14,16 @@ class Reason(Code):
     LINE = "line", "part of a steady line: rotating parts of varying speed"
     COMB = "comb", "it hardly decays, at a multiple of the frequency that the steady tones share: it is driven"
     PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
+    BY_CHANCE = (
+        "by chance",
+        "doubtful, and {unlike} of the {others} other stretches that look like decays show none of these modes: by "
+        "chance, driven motion looks like a decay",
+    )
+    UNSUPPORTED = (
+        "unsupported",
+        "doubtful, and nothing but the fit supports it: neither the halves of the stretch nor another stretch",
+    )
+    NO_SWING = "no swing", "doubtful, and damped before it swings: a pulse of force looks the same"
     UNSURE = "unsure", "its decay is not significant against the residual near it"
     UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"

@@ -1,0 +1,93 @@
+"""Modes that are doubtful, and that nothing but the fit to one stretch supports: they are no finding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.analysis.choice import doubts_of, level_of, settled
+from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import swings
+from suspid.analysis.used import Used
+from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
+from suspid.identification import Considered, Identification
+from suspid.records import late_start
+from suspid.signals import as_signal
+from suspid.values import frozen_real
+from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
+
+
+def supported(found: Identification, stretch: Used, settings: Settings) -> Identification:
+    """Return an identification without its modes if they are doubtful and nothing but the fit to one stretch has them.
+
+    A stretch that was chosen as the most like a decay of several, or of all that could be cut from a record, is like
+    one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
+    same modes in both halves of the stretch, or in another stretch. The fit stays as it is. What the settings choose, a
+    stretch or the number of modes, is not questioned.
+    """
+    chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
+    reason = None if chosen or found.method != "likelihood" else _reason(found, stretch)
+    if reason is None:
+        return found
+    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles)
+    return replace(
+        found,
+        modes=found.modes[:0],
+        loudness=frozen_real(np.zeros(0)),
+        considered=(*none, *found.considered),
+        amplitude_dependence=(),
+        forces=(),
+    )
+
+
+def _reason(found: Identification, stretch: Used) -> Remark | None:
+    """Return the reason why the modes of an identification are none, if there is one."""
+    used, decays = stretch.used, stretch.decays
+    if level_of(found, used, decays) is not Level.DOUBTFUL:
+        return None
+    doubts = [check for check in doubts_of(used, found, decays) if check.level is Level.DOUBTFUL]
+    grave = any(check.remark.code is RecordCheck.DECAY for check in doubts)
+    unlike = [check.remark.numbers for check in doubts if check.remark.code is RecordCheck.NOT_REPEATED]
+    # That no other stretch has the modes of one beyond doubt is said, and left to the user.
+    if unlike and (grave or found.verdict.level is Level.DOUBTFUL):
+        return Remark(Reason.BY_CHANCE, unlike[0])
+    if not used and not swings(found.modes):
+        return Remark(Reason.NO_SWING)
+    weak = grave or _one_place(found) or (_short(used) if used else not _let_go(found, stretch))
+    return Remark(Reason.UNSUPPORTED) if weak and _alone(found) and not _again(found, stretch) else None
+
+
+def _short(used: Sequence[Decay]) -> bool:
+    """Return whether the stretch is shorter than two cycles of its slowest mode."""
+    return any(doubt.code is DecayDoubt.TOO_SHORT for decay in used for doubt in decay.doubts)
+
+
+def _let_go(found: Identification, stretch: Used) -> bool:
+    """Return whether a whole record begins as a decay does, or is free motion that no search for decays was needed for.
+
+    What moves most at a later time was set in motion within the record.
+    """
+    wanting = any(note.code is Note.WHOLE_RECORD and not note.numbers["clear"] for note in stretch.notes)
+    return late_start(as_signal(stretch.record)) is None or (settled(found) and not wanting)
+
+
+def _one_place(found: Identification) -> bool:
+    """Return whether several modes move several channels alike: modes of a structure have shapes of their own."""
+    several = len(found.modes) > 1 and len(found.noise_std) > 1
+    return several and any(check.remark.code is ModeCheck.ONE_SHAPE for check in found.verdict.checks)
+
+
+def _alone(found: Identification) -> bool:
+    """Return whether no mode is seen in both halves of a stretch, and the fit is loose or a pulse has one like it."""
+    checks = found.verdict.checks
+    return any(c.level is Level.DOUBTFUL and c.remark.code is ModeCheck.NOT_CROSS_CHECKED for c in checks)
+
+
+def _again(found: Identification, stretch: Used) -> bool:
+    """Return whether another stretch that may be free motion shows a mode; of parts of the whole record, two do."""
+    used = stretch.used
+    apart = [d for d in stretch.decays if all(d.stop <= one.start or d.start >= one.stop for one in used)]
+    free = [d for d in apart if d.wn.size and not any(doubt.code in GRAVE for doubt in d.doubts)]
+    return sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free) >= (1 if used else 2)
