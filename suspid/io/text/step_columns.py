@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def step_clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dic
         steps = rows.columns([name])[0]
         if _are_steps(steps[1:], constant=named):
             stamps = np.cumsum(np.concatenate([[0.0], steps[1:]])) / PER_SECOND[unit]
-            return TimeBase(name=name, stamps=lambda: stamps), {name: Remark(LeftOut.STEP_CLOCK, {"unit": unit})}
+            return TimeBase(name=name, stamps=partial(np.copy, stamps)), {name: Remark(LeftOut.STEP_CLOCK, {"unit": unit})}
     return None, {}
 
 
