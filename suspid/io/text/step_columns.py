@@ -38,7 +38,8 @@ def step_clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dic
         steps = rows.columns([name])[0]
         if _are_steps(steps[1:], constant=named):
             stamps = np.cumsum(np.concatenate([[0.0], steps[1:]])) / PER_SECOND[unit]
-            return TimeBase(name=name, stamps=partial(np.copy, stamps)), {name: Remark(LeftOut.STEP_CLOCK, {"unit": unit})}
+            said = {name: Remark(LeftOut.STEP_CLOCK, {"unit": unit})}
+            return TimeBase(name=name, stamps=partial(np.copy, stamps)), said
     return None, {}
 
 
