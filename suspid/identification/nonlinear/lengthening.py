@@ -27,12 +27,12 @@ from suspid.identification.nonlinear.feedback import (
 from suspid.identification.nonlinear.forces import Force, ForceKind, means
 from suspid.units import RealArray
 
-T = TypeVar("T", np.float64, np.complex128)
+Sample = TypeVar("Sample", np.float64, np.complex128)
 # Cycles by which a record is continued at both ends before its Fourier series is taken, and the highest
 # frequency of that, over the one of the mode: a spring that bends gives the third multiple.
-PADDED, MULTIPLES = 3, 4.5
+PADDED, HIGHEST_MULTIPLE = 3, 4.5
 # How much longer a stretch is than the one before. A larger step may lose the phase, a smaller one costs time.
-LONGER = 1.25
+STRETCHED = 1.25
 
 
 def lengthened(record: Record, plain: DrivenFit) -> Bent | None:
@@ -83,7 +83,7 @@ def _measured(values: RealArray, order: int, turn: float) -> tuple[RealArray, Re
     after, before = _continued(values, cycle, pad), _continued(values[:, ::-1], cycle, pad)[:, ::-1]
     series = np.fft.rfft(np.concatenate([before, values, after], axis=1))
     omega = 2 * np.pi * np.fft.rfftfreq(count + 2 * pad)
-    used = (omega > SLOW * turn) & (omega < MULTIPLES * turn)
+    used = (omega > SLOW * turn) & (omega < HIGHEST_MULTIPLE * turn)
     rates = np.where(used, 1j * omega, 1.0)
     motion, speed = (
         np.fft.irfft(np.where(used, series * rates**power, 0.0), count + 2 * pad, axis=1)[:, pad : pad + count]
@@ -109,7 +109,7 @@ def _followed(record: Record, found: Bent, motions: tuple[RealArray, RealArray])
     """
     whole, count = record.values.shape[1], found.fit.residual.shape[1]
     while count < whole:
-        before, count = count, min(whole, int(LONGER * count) + 1)
+        before, count = count, min(whole, int(STRETCHED * count) + 1)
         fit = _longer(record.begun(count), found, before, (motions[0][:, :count], motions[1][:, :count]))
         if fit is None:
             return None
@@ -139,7 +139,7 @@ def _longer(record: Record, found: Bent, before: int, motions: tuple[RealArray, 
     return maximize(record.values, start, record.noise, steps=ROUGH_STEPS)
 
 
-def _between(force: Force, each: NDArray[T]) -> NDArray[T]:
+def _between(force: Force, each: NDArray[Sample]) -> NDArray[Sample]:
     """Return what the channels of a force differ by."""
     return np.asarray(each[force.channel] - (0 if force.other is None else each[force.other]))
 

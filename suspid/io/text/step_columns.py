@@ -18,7 +18,7 @@ from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
 
 # Steps of telephones are whole milliseconds. In coarser units they would be none of a record of vibrations.
-UNIT = "ms"
+STEP_UNIT = "ms"
 
 
 def step_clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dict[str, Remark]]:
@@ -32,7 +32,7 @@ def step_clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dic
     for name in (name for name in numeric if _may_be_steps(name)):
         top = [cell.strip() for cell in itertools.islice(rows.cells(name), FEW_STAMPS)]
         named = not name.startswith("column ")
-        unit = split_unit(name)[1] or UNIT
+        unit = split_unit(name)[1] or STEP_UNIT
         if unit not in PER_SECOND or not _starts(top, named=named):
             continue
         steps = rows.columns([name])[0]
