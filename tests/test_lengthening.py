@@ -10,19 +10,18 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from suspid import analyse, as_record, identify
+from suspid.units import RealArray
 from suspid.words import Level
 
 # Frequency of small swings [Hz], sampling rate [Hz], standard deviation of the noise [rad].
 SMALL, RATE, NOISE = 0.905, 30.0, 0.01
 
 
-def pendulum(
-    angle: float, duration: float, *, seed: int, order: int = 0
-) -> tuple[np.ndarray[tuple[int], np.dtype[np.float64]], np.ndarray[tuple[int], np.dtype[np.float64]]]:
+def pendulum(angle: float, duration: float, *, seed: int, order: int = 0) -> tuple[RealArray, RealArray]:
     """Return times and samples of a pendulum with viscous and quadratic damping, as an angle or its rate."""
     omega, times = 2 * np.pi * SMALL, np.arange(0, duration, 1 / RATE)
 
-    def motion(_: float, state: tuple[float, float]) -> list[float]:
+    def motion(_: float, state: RealArray) -> list[float]:
         turned, rate = state
         return [rate, -(omega**2) * np.sin(turned) - 0.0016 * omega * rate - 0.0012 * abs(rate) * rate]
 
@@ -31,7 +30,7 @@ def pendulum(
     return times, path.y[order] + NOISE * (omega if order else 1) * noise
 
 
-def exact(angle: np.ndarray[tuple[int], np.dtype[np.float64]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def exact(angle: RealArray) -> RealArray:
     """Return the frequency of a pendulum of that amplitude [rad], by the complete elliptic integral [Hz]."""
     return np.asarray(SMALL * np.pi / 2 / ellipk(np.sin(angle / 2) ** 2))
 

@@ -12,6 +12,7 @@ from suspid import analyse, identify
 from suspid.analysis.far_larger import far_larger
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
+from suspid.units import RealArray
 
 
 def knocked(knock: float) -> tuple[Used, Used, Used]:
@@ -40,12 +41,12 @@ class TestOfTwoDoubtfulDecays:
         assert far_larger(whole.record, [decay, knock]) is decay
 
 
-def tower(seed: int) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def tower(seed: int) -> RealArray:
     """Return times and three accelerations of a slender tower after a push: it softens, and its top rings at 10 Hz."""
     rng, times = np.random.default_rng(seed), np.arange(0, 22.5, 0.02)
     slow, fast = 2 * np.pi * 1.08, 62.8
 
-    def motion(t: float, state: tuple[float, float, float, float]) -> list[float]:
+    def motion(t: float, state: RealArray) -> list[float]:
         x, v, a, b = state
         push = 60 * np.exp(-(((t - 2.2) / 0.12) ** 2))
         soft = slow**2 * x * (1 - 0.25 * min(x * x / 0.04, 1.0))
