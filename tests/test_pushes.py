@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import analyse, identify
+from suspid import analyse, as_record, identify
 from suspid.analysis.far_larger import far_larger
+from suspid.analysis.fewer_channels import multiples_alone
 from suspid.analysis.used import Used
+from suspid.model import ModalSet
 from suspid.records import as_response, cut
 from suspid.units import RealArray
 
@@ -39,6 +41,23 @@ class TestOfTwoDoubtfulDecays:
     def test_the_first_stays_where_it_is_the_larger(self) -> None:
         whole, decay, knock = knocked(0.03)
         assert far_larger(whole.record, [decay, knock]) is decay
+
+
+def ringing(*wn: float) -> ModalSet:
+    """Return the modes of a record of decays at these natural frequencies."""
+    times = np.arange(0, 12, 0.01)
+    values = sum(np.exp(-0.02 * each * times) * np.cos(each * times) for each in wn)
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(times.size)
+    return identify(as_record(values + noise, timepts=times)).modes
+
+
+class TestChannelsLeftOut:
+    @pytest.mark.parametrize(
+        ("fewer", "alone"),
+        [((12.0,), True), ((18.1,), True), ((6.0, 12.0), False), ((9.0,), False), ((12.0, 9.0), False)],
+    )
+    def test_multiples_of_a_mode_that_others_show_are_none(self, fewer: tuple[float, ...], alone: bool) -> None:
+        assert multiples_alone(ringing(6.0, 12.0), ringing(*fewer)) == alone
 
 
 def tower(seed: int) -> RealArray:
