@@ -577,3 +577,51 @@ def test_no_pattern_takes_a_power_of_the_length(text: str, top: bool, tmp_path: 
         read_recording(path)
     # A quadratic pattern takes 20 s, one of fourth power longer than a life.
     assert time.process_time() - before < 5
+
+
+class TestStepsInPlaceOfTheTime:
+    """Telephones write the time from each sample to the next beside the channels, without names."""
+
+    STEPS = (0, 20, 20, 21, 20, 19, 20, 20, 21, 20, 20, 19)
+
+    def text(self, mark: str, *, header: str = "") -> str:
+        rows = (f"{np.cos(k):.3f}{mark}{np.sin(k):.3f}{mark}{step}\n" for k, step in enumerate(self.STEPS))
+        return header + "".join(rows)
+
+    @pytest.mark.parametrize("mark", [" ", ";", "\t", ","])
+    @pytest.mark.parametrize("header", ["", "# Accelerometer\n# X Y time_from_previous_sample(ms)\n\n# units: m/s^2\n"])
+    def test_their_sums_are_the_time(self, tmp_path: Path, mark: str, header: str) -> None:
+        recording = read(tmp_path, self.text(mark, header=header))
+        assert recording.names == ("column 1", "column 2")
+        np.testing.assert_allclose(recording["column 1"].timepts, np.cumsum(self.STEPS) / 1e3, rtol=0, atol=1e-12)
+        assert dict(recording.left_out)["column 3"].code is LeftOut.STEP_CLOCK
+
+    def test_a_given_rate_replaces_them(self, tmp_path: Path) -> None:
+        (tmp_path / "a.txt").write_text(self.text(" "), encoding="utf-8")
+        given = read_recording(tmp_path / "a.txt", fs=50.0)
+        assert given.channels[0].rate == 50.0
+        assert given.names == ("column 1", "column 2")
+
+    def test_a_stated_time_stands_before_them(self, tmp_path: Path) -> None:
+        rows = "".join(f"{0.02 * k:.2f},{np.cos(k):.3f},{step}\n" for k, step in enumerate(self.STEPS))
+        assert read(tmp_path, f"time,seat,dt\n{rows}")["seat"].timepts[1] == 0.02
+
+    @pytest.mark.parametrize("column", [(0, *[20] * 11), (0, 20, 20, 21, 0, 19, 20, 20, 21, 20, 20, 19)])
+    def test_a_channel_that_rests_is_none(self, tmp_path: Path, column: Sequence[int]) -> None:
+        rows = "".join(f"{np.cos(k):.3f} {value}\n" for k, value in enumerate(column))
+        with pytest.raises(RecordError, match="no column is named like a time"):
+            read(tmp_path, rows)
+
+
+class TestNamesBetweenOtherMarks:
+    """Programs whose decimals have a comma separate the cells by tabs, and some leave commas between the names."""
+
+    def test_commas_between_names_and_tabs_between_cells(self, tmp_path: Path) -> None:
+        rows = "".join(f"{0.02 * k:.3f}\t{np.cos(k):.3f}\t{np.sin(k):.3f}\n" for k in range(9)).replace(".", ",")
+        recording = read(tmp_path, f"--- Torsion ---\nTempo,Force,Angle\n{rows}")
+        assert recording.names == ("Force", "Angle")
+        assert recording["Angle"].timepts[1] == 0.02
+
+    def test_a_sentence_is_no_header(self, tmp_path: Path) -> None:
+        rows = "".join(f"{0.02 * k:.2f}\t{np.cos(k):.3f}\t{np.sin(k):.3f}\n" for k in range(9))
+        assert read(tmp_path, f"a test, of two days\n{rows}").names == ("column 2", "column 3")

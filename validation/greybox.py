@@ -52,8 +52,8 @@ is the mean over all parameters. 'explained' is the share of the draws in which 
 is processor time on this machine.
 
 Rows of roads and forces that are known to some percent measure them with white noise of that share of their motion;
-the bound then knows the level of the noise. Of a wheel's sensor that is high and late, gain and delay are unknown to the
-bound; 'told' where `estimate` is told which sensor, else it finds out.
+the bound then knows the level of the noise. Of a wheel's sensor that is high and late, gain and delay are unknown to
+the bound; 'told' where `estimate` is told which sensor, else it finds out.
 
 The bound knows the start as little as the estimator does. Where wheels are given, starts are left out, forces on the
 body are noise of known spectrum, and gain and delay of the wheels' sensors and a mount are unknown to both, unless they

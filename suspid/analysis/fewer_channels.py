@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.choice import level_of
+from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used
 from suspid.decays import DRIVEN
 from suspid.errors import SuspidError
 from suspid.identification import Identification
+from suspid.model import ModalSet
 from suspid.records import of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 # Where no mode was found, channels with less than this share of their energy outside half an octave about their peak
 # are tried alone, at most the second number: each takes the time of an analysis.
 STRAY, TRIED_ALONE = 0.1, 2
+# Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
+TIMES = (2, 3)
 
 
 def with_fewer_channels(
@@ -57,12 +61,25 @@ def with_fewer_channels(
         except SuspidError:
             continue
         again = with_identification(fewer, settings).identification
-        if again is not None and level_of(again, fewer.used, fewer.decays) > before:
+        if again is None or multiples_alone(found.modes, again.modes):
+            continue
+        if level_of(again, fewer.used, fewer.decays) > before:
             out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
             )
     return used
+
+
+def multiples_alone(of_all: ModalSet, of_fewer: ModalSet) -> bool:
+    """Return whether fewer channels only show multiples of modes that all channels show.
+
+    A sensor across the motion of a pendulum, or of a tower, moves twice a cycle: what it shows alone is no mode.
+    """
+    ratios = of_fewer.wn[:, None] / of_all.wn
+    lacking = np.all(np.abs(ratios - 1) > SAME_POLE, axis=0)
+    multiple = np.any([np.abs(ratios / times - 1) < SAME_POLE for times in TIMES], axis=0) & lacking
+    return bool(len(of_fewer)) and bool(np.all(np.any(multiple, axis=1)))
 
 
 def _beside_peak(found: Identification) -> RealArray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
+from suspid.analysis.far_larger import far_larger
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.longer import longer, shared_modes, with_identification
@@ -105,8 +106,8 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not swings(part.modes)
         if part is not None and not pulse and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
-        if not pulse and (whole is None or not len(whole.modes)):
-            again = _again(record, decays, clear, settings)
+        if whole is None or not len(whole.modes):
+            again = _again(record, decays, clear, settings, pulse=part if pulse else None)
             if again is not None:
                 return again
     whole = tried(record, settings) if late and not clear else whole
@@ -145,7 +146,7 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
         if not _doubtful(used.identification) and not any(doubt.code in GRAVE for doubt in used.used[0].doubts):
             return used
     shared = shared_modes([one.identification for one in tries])
-    return tries[int(np.argmax(shared))] if max(shared) > shared[0] else best
+    return tries[int(np.argmax(shared))] if max(shared) > shared[0] else far_larger(record, tries)
 
 
 def _doubtful(found: Identification | None) -> bool:
@@ -201,19 +202,28 @@ def _holds_later(whole: Identification, record: control.TimeResponseData, settin
     return later is not None and explains(whole, later)
 
 
-def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Decay], settings: Settings) -> Used | None:
+def _again(
+    record: control.TimeResponseData,
+    decays: Decays,
+    clear: Sequence[Decay],
+    settings: Settings,
+    *,
+    pulse: Identification | None,
+) -> Used | None:
     """Return the best clear decay from a later start on, or one of the next, in which modes are found.
 
-    Where most events are no decays, a mode that is found in one try of several is no finding.
+    Where most events are no decays, a mode that is found in one try of several is no finding. Where the best decay
+    begins with what looks like a ``pulse``, only modes that were found beside it are sought behind it.
     """
     best = clear[0]
     if any(doubt.code is DecayDoubt.COMPANY for doubt in best.doubts):
         return None
     later = [replace(best, start=best.start + share * (best.stop - best.start)) for share in LATER_SHARES]
-    for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):
+    for decay in (*later, *(clear[1 : 1 + NEXT_DECAYS] if pulse is None else ())):
         used = used_of(record, decays, decay)
         found = tried(used.record, settings)
-        if found is not None and len(found.modes) and swings(found.modes):
+        known = found is not None and (pulse is None or shared_modes([found, pulse])[0] == 1.0)
+        if found is not None and known and len(found.modes) and swings(found.modes):
             return replace(used, identification=found)
     return None
 

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from suspid.cleaning import RecordLike
-from suspid.errors import EstimationError, InputError
+from suspid.errors import InputError
 from suspid.greybox.axle_data import Led, behind_of, check_rolled
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate

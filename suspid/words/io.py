@@ -108,6 +108,7 @@ class LeftOut(Code):
     SINCE_A_DATE = "since_a_date", "is {start:.6f} s; times are counted from there"
     GROUP_TIME = "group_time", "is the time of its group"
     TAKEN_AS_TIME = "taken_as_time", "increases like a clock: taken as the time"
+    STEP_CLOCK = "step_clock", "holds the time from each sample to the next [{unit}]: their sums are the time"
     SAME_TIME = "same_time", "is the same time as {other!r}"
     LIKE_TIME = "like_time", "reads like a time"
     PARTS = "parts", "holds the parts of a second, beside the time {other!r}"

@@ -86,6 +86,10 @@ class Record:
             nuisances=self.nuisances,
         )
 
+    def begun(self, count: int) -> Record:
+        """Return the first samples."""
+        return replace(self, values=self.values[:, :count])
+
     def thinned(self, factor: int, count: int) -> Record:
         """Return means over ``factor`` samples, and of those the first ``count``."""
         blocks = min(count, self.values.shape[1] // factor)
@@ -119,7 +123,11 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
         for trial in [added(record, replace(best, order=order), kind, motions)]
         if trial is not None
     ]
-    best = _best(record, best, trials)
+    return with_further(record, _best(record, best, trials))
+
+
+def with_further(record: Record, best: Bent) -> Bent:
+    """Return a fit with forces of one kind, or a better one with forces of more kinds."""
     # What a further kind must lower the BIC by: the second one anything, more than two only where the mode is single.
     needed = 0.0
     while best.forces and (not needed or best.count == 1):
@@ -128,7 +136,7 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
         further = _best(record, best, [trial for trial in more if trial is not None])
         if further is best or further.fit.bic > best.fit.bic - needed:
             break
-        best, needed = further, plain.residual.size * np.log(LEAST_FALL)
+        best, needed = further, best.fit.residual.size * np.log(LEAST_FALL)
     return best
 
 

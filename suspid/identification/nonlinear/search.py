@@ -24,6 +24,7 @@ from suspid.identification.nonlinear.feedback import (
     with_forces,
     without_forces,
 )
+from suspid.identification.nonlinear.lengthening import at_full_rate, lengthened
 from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.signs import distorted, overtones_alone
 from suspid.identification.nonlinear.standing import driven_stands, energies, misses
@@ -37,6 +38,8 @@ MOST_MODES = 6
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
 # of the fastest mode, and cut.
 MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
+# Cycles of a beginning in which forces are sought: in fewer, a shift is not told from a change of phase.
+FEWEST_CYCLES = 6
 # Linear modes explain at least this share of the energy of each channel where a structure is sought: friction and
 # springs that bend leave less. Where a sensor moves in other ways, no structure explains it.
 EACH_EXPLAINED = 0.9
@@ -119,8 +122,10 @@ def _searched(values: RealArray, noise: WhiteNoise, linear: DecayFit, modes: int
     most = int(MOST_ENTRIES / (2 * (1 + len(values)) * len(values)))
     begun = record if values.shape[1] <= most else record.thinned(1, most)
     plain, more = _linear_modes(begun, modes or MOST_MODES)
-    if plain is None or np.max(1 - plain.squares / np.sum(begun.values**2, axis=1)) < LEAST_EXPLAINED:
+    if plain is None:
         return None
+    if _explained(plain) < LEAST_EXPLAINED:
+        return _significant(_shifting(record, float(plain.drive.theta[0].imag), most))
     fastest = float(np.max(np.abs(plain.drive.theta.imag)))
     factor = max(1, int(2 * np.pi / (PER_CYCLE * fastest)))
     most //= len(plain.drive.theta)
@@ -140,6 +145,30 @@ def _searched(values: RealArray, noise: WhiteNoise, linear: DecayFit, modes: int
     beside = None if again is None else _with_pole(short, again)
     found = None if again is None else _grown(short, again, beside, modes)
     return None if found is None else _significant(_at_full_length(record, found, factor))
+
+
+def _shifting(record: Record, turn: float, most: int) -> Bent | None:
+    """Return a single mode whose frequency shifts too far for a pole to follow it, with its forces; None if none is.
+
+    They are found where a pole explains nearly all, in the beginning, and followed on from there. The frequency of the
+    linear fit [rad per sample] lies among those of the mode.
+    """
+    factor = max(1, int(2 * np.pi / (PER_CYCLE * turn)))
+    used = record if factor == 1 else record.thinned(factor, record.values.shape[1])
+    count, least = used.values.shape[1], FEWEST_CYCLES * 2 * np.pi / (turn * factor)
+    while count <= most and (count := count // 2) > least:
+        short = used.begun(count)
+        plain, _ = _linear_modes(short, 1)
+        if plain is not None and _explained(plain) > EACH_EXPLAINED:
+            found = lengthened(used, plain)
+            found = found if factor == 1 or found is None else at_full_rate(record, found, factor, turn)
+            return found if found is not None and _explained(found.fit) > EACH_EXPLAINED else None
+    return None
+
+
+def _explained(fit: DrivenFit) -> float:
+    """Return the share of the energy that a fit explains in the best channel."""
+    return float(np.max(1 - fit.squares / np.sum(fit.values**2, axis=1)))
 
 
 def _record(values: RealArray, noise: WhiteNoise, linear: DecayFit) -> Record:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from suspid.io.names import is_time, plain
 from suspid.io.text.cells import Kind, kind_of
-from suspid.io.text.dialects import COMMENTS, Dialect
+from suspid.io.text.dialects import COMMENTS, DELIMITERS, Dialect
 
 REMARKS = {"comment", "comments", "remark", "remarks", "note", "notes", "kommentar"}
 # One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s; every one that is converted is among them.
@@ -62,6 +62,8 @@ class Columns:
         if blanks and len(cells) != width:
             wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
             cells = wide if len(wide) == width else _aligned(text, self.row) or cells
+        if len(cells) == 1 < width:
+            cells = _marked(cells[0], width) or cells
         # LabVIEW names a column of comments that the rows lack.
         if len(cells) == width + 1 and (not cells[-1] or cells[-1].lower() in REMARKS):
             return cells[:-1]
@@ -91,6 +93,18 @@ class Columns:
         known = [bool(UNIT.fullmatch(plain(cell))) for cell in cells]
         short = all(len(cell) <= LONGEST_UNIT and " " not in cell for cell in cells)
         return 2 * sum(known) > len(known) and short
+
+
+def _marked(line: str, width: int) -> list[str]:
+    """Return names that another mark than that of the rows separates, if each column gets one; else none.
+
+    Programs that write decimals with a comma separate the cells by tabs, and some leave commas between the names.
+    """
+    for mark in DELIMITERS:
+        cells = Dialect(delimiter=mark, comma=False).cells(line) if mark != " " else []
+        if len(cells) == width and all(kind_of(cell, comma=False) == "text" for cell in cells):
+            return cells
+    return []
 
 
 def _aligned(line: str, row: str) -> list[str]:

@@ -19,6 +19,7 @@ from suspid.io.text.endings import is_open
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
+from suspid.io.text.step_columns import step_clock
 from suspid.io.text.thousands import refuse_thousands
 from suspid.units import RealArray
 from suspid.values import listed
@@ -78,6 +79,9 @@ def read_delimited(path: Path) -> Table:
     usable = [name for name in layout.names if name and name not in counter and name not in blank]
     numeric = [name for name in usable if layout.kinds[name] in ("number", "missing")]
     clock, others = _clock(rows, numeric)
+    if clock is None:
+        clock, steps = step_clock(rows, numeric)
+        others |= steps
     numeric = [name for name in numeric if name not in others]
     return Table(
         sizes=dict.fromkeys(numeric, rows.size),
