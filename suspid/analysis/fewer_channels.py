@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 # are tried alone, at most the second number: each takes the time of an analysis.
 STRAY, TRIED_ALONE = 0.1, 2
 # Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
-TIMES = (2, 3)
+SHOWN_ALONE = (2, 3)
 
 
 def with_fewer_channels(
@@ -78,7 +78,7 @@ def multiples_alone(of_all: ModalSet, of_fewer: ModalSet) -> bool:
     """
     ratios = of_fewer.wn[:, None] / of_all.wn
     lacking = np.all(np.abs(ratios - 1) > SAME_POLE, axis=0)
-    multiple = np.any([np.abs(ratios / times - 1) < SAME_POLE for times in TIMES], axis=0) & lacking
+    multiple = np.any([np.abs(ratios / times - 1) < SAME_POLE for times in SHOWN_ALONE], axis=0) & lacking
     return bool(len(of_fewer)) and bool(np.all(np.any(multiple, axis=1)))
 
 
