@@ -173,8 +173,7 @@ def _search(
         if not len(trial.modes):
             continue
         if trial.excess <= 1:
-            # One by one: the first start that needs fewer poles decides.
-            after = map(at, (*places[number + 1 : number + 1 + LATER_STARTS], max(place, sure)))
+            after = [at(later) for later in (*places[number + 1 : number + 1 + LATER_STARTS], max(place, sure))]
             if all(later is None or later.poles >= trial.poles for later in after):
                 return _earlier(at, places[number - 1] if number else place, place), residuals
         residuals.append((trial.early, place))
