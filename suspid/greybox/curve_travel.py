@@ -30,8 +30,8 @@ NOISY_LINES = (0.8, 1.0)
 # changes its sign in motion is through in less than one. Friction has no law there; samples beside it are left out too.
 REST_ERRORS, REST_SAMPLES, REST_MARGIN = 2.0, 3, 2
 # At a turn friction holds the strut until the other forces have changed by its double. Where that lasts for this number
-# of samples or more, every sample near rest is left out, and more beside it: sticks that are shorter than those above
-# are not seen, and friction would be found too small.
+# of samples or more, every sample near rest is left out, and more beside it: shorter sticks than those above are not
+# seen, and friction would be found too small.
 HELD_SAMPLES, HELD_MARGIN = 1.0, 4
 # How often noise and curve are found in turn; the noise changes by less than a percent after three rounds.
 TRAVEL_ROUNDS = 4
