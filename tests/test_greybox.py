@@ -245,11 +245,9 @@ class TestFreeDecay:
         assert not estimate(noisy, off(HALF), fixed=TIRES, gains=(), delays=(), mounts=()).explains
         needed = estimate(noisy, off(HALF), fixed=TIRES)
         assert needed.explains
-        assert any(name.endswith(".gain") for name in needed.parameters)
-        assert any(name.endswith(".delay") for name in needed.parameters)
-        between = needed.interval(0.9999)
-        known = dict(zip(parameter_names(HALF), parameter_vector(HALF).tolist(), strict=True))
-        assert all(between[name][0] < known[name] < between[name][1] for name in needed.parameters if name in known)
+        # Which sensors it is is a guess: 8 % of one do nearly as well as 5 % and 4 ms of two.
+        assert needed.verdict.level is Level.CARE
+        assert EstimateCheck.NEEDED in {check.remark.code for check in needed.verdict.checks}
         one = estimate(noisy, off(HALF), fixed=TIRES, **sensors)  # type: ignore[arg-type]
         assert one.explains
         ends, truth = one.interval(0.999), parameter_vector(HALF)

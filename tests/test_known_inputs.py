@@ -170,6 +170,7 @@ class TestNoiseOfInputs:
         asked = fitted(one, noisy=[channel])
         np.testing.assert_allclose(asked.values, found.values, rtol=1e-9)
 
+    @pytest.mark.slow
     def test_a_late_channel_beside_a_noisy_road_is_found(self) -> None:
         found = fitted(row(20.0, input_noise=0.05, sensor=(1.05, 0.006)))
         assert found.explains

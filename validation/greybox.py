@@ -51,9 +51,9 @@ and RMSE over the bound are given for k and c where one strut is judged, else as
 is the mean over all parameters. 'explained' is the share of the draws in which the residual is accepted as noise. Time
 is processor time on this machine.
 
-Rows of roads and forces that are known to some percent measure them with white noise of that share of their motion;
-the bound then knows the level of the noise. Of a wheel's sensor that is high and late, gain and delay are unknown to
-the bound; 'told' where `estimate` is told which sensor, else it finds out.
+Roads and forces that are known to some percent are measured with white noise of that share of their motion, whose
+level the bound knows. Gain and delay of a wheel's sensor that is high and late are unknown to the bound; in rows
+without 'told' `estimate` finds out which sensor it is.
 
 The bound knows the start as little as the estimator does. Where wheels are given, starts are left out, forces on the
 body are noise of known spectrum, and gain and delay of the wheels' sensors and a mount are unknown to both, unless they

@@ -1,15 +1,15 @@
 """Springs and dampers straight from a recording, whatever moved the car.
 
-`estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as
-data, in the terms of the car (`car_records`); in the time domain `dynamics` (exact motion and its derivatives),
-`responses` (output error of one record), `problem`, `onset` (decays after a rest), `further` (unknowns: mounts,
-gains, delays), `search` and `time_domain`; in the frequency domain `spectra`, `transfers`, `whitened` and
-`measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects`, `frequency_domain`
-and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far
-the result can be trusted, `estimates` holds it; `causes` says what may have moved the car, and `by_cause` tries it in
-turn. `find_drives`, usable stretches of recordings: `channel_words`, `stated_units`, `shaken`, `speeds`, `blocks`.
-With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`, `two_axles`
-(`road_maps`, `axle_…`). `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `damper_curves`.
+`estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as data
+(`car_records`); in time `dynamics`, `responses`, `problem`, `onset` (decays after a rest), `further`, `sensors_asked`
+and `sensors_needed` (mounts, gains, delays), `clocks`, `search`, `time_domain`, `noisy_inputs`, `fitted_in_time`; in
+frequency `spectra`, `transfers`, `whitened` and `measured_causes` (errors in variables), `noise_levels`,
+`wheel_problem`, `settling`, `suspects`, `frequency_domain` and `late_causes` (clocks). `whiteness`, `leftover`,
+`misfit`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates` holds it;
+`causes` says what may have moved the car, and `by_cause` tries it in turn. `find_drives`, usable stretches of
+recordings: `channel_words`, `stated_units`, `shaken`, `speeds`, `blocks`. With a model of the road: `rolling`,
+`wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`, `two_axles` (`road_maps`, `axle_…`).
+`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `damper_curves`.
 """
 
 from suspid.greybox.axle_data import Led as Led

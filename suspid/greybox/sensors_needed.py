@@ -59,7 +59,9 @@ def said_so(fit: Fit, problem: Problem, before: Unknowns) -> Fit:
     """Return a fit that says which unknowns there were not ``before``."""
     names = tuple(name for name in problem.unknowns.names if name not in before.names)
     others = tuple(check for check in fit.checks if check.remark.code is not EstimateCheck.NEEDED)
-    return replace(fit, checks=(*others, Check(Remark(EstimateCheck.NEEDED, {"names": names}), Level.NOTE)))
+    # Without a known input several sets of sensors explain a decay nearly as well: which one is a guess.
+    level = Level.NOTE if all(len(trial.inputs) for trial in problem.trials) else Level.CARE
+    return replace(fit, checks=(*others, Check(Remark(EstimateCheck.NEEDED, {"names": names}), level)))
 
 
 def _needed(fit: Fit, problem: Problem, bare: Unknowns, asked: Names, free: Sequence[str]) -> Names:

@@ -174,7 +174,8 @@ def _motion(layout: Layout, s: ComplexArray, physics: Physics) -> _Motion:
     own = np.arange(len(layout.free))
     D[:, own, own] += s[:, None] ** 2 * physics.masses[list(layout.free)]
     N = -(b @ (af[:, :, None] * ag[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], ag.shape[1])
-    N = N + layout.pushes
+    if np.any(layout.pushes):
+        N = N + layout.pushes
     inverse = inverses(np.asarray(D, complex))
     derive = np.stack([_power(s, order) for order in layout.orders.tolist()], axis=1) * physics.gains
     if np.any(physics.delays):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -103,7 +104,7 @@ def check_coordinates(suspension: Suspension) -> set[str]:
     if ambiguous:
         raise InputError(f"coordinate {ambiguous[0]!r} has the name of an input or output; give it another name")
     for road in roads:
-        intended = _probably_meant(road, suspension.coordinates)
+        intended = _probably_meant(road, tuple(suspension.coordinates))
         if intended:
             raise InputError(
                 f"coordinate {road!r} is used in an arm but has no mass, and is close to {intended!r}: "
@@ -137,7 +138,9 @@ def check_sensors(suspension: Suspension, taken: set[str]) -> None:
                 raise InputError(f"sensor {sensor.name!r}: there is no {kind} {name!r}.{nearest_names(name, known)}")
 
 
-def _probably_meant(road: str, coordinates: Sequence[str]) -> str | None:
+# A fit makes the same car of other values many times; a fleet has some cars.
+@lru_cache(maxsize=256)
+def _probably_meant(road: str, coordinates: tuple[str, ...]) -> str | None:
     """Return the coordinate that ``road`` probably misspells; numbered names may differ in digits."""
     for coordinate in coordinates:
         # 0.85 catches a missing letter in names of four and a wrong one in names of seven, and passes front and rear.
