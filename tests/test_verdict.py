@@ -332,7 +332,7 @@ class TestWords:
     def test_every_reason_has_words(self, code: Reason) -> None:
         sizes: dict[str, Number] = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4}
         numbers: dict[str, Number] = {**sizes, "mode": 1, "multiple": 2, "other": 2, "word": "sum"}
-        assert str(Remark(code, numbers))
+        assert str(Remark(code, {**numbers, "unlike": 4, "others": 5}))
 
     def test_the_least_check_decides(self) -> None:
         remark = Remark(Reason.TONE)

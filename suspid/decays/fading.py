@@ -50,7 +50,7 @@ def decay_of_fading(signal: Signal, *, level: Decibel) -> Decay | None:
     >>> signal = Signal(start=0.0, step=0.04, values=(size * np.cos(turned))[None], channels=("angle",))
     >>> found = decay_of_fading(signal, level=20.0)
     >>> found.wn.round(0), [doubt.code.value for doubt in found.doubts]
-    (array([6.]), ['nonlinear', 'later'])
+    (array([6.]), ['nonlinear'])
     """
     stretch = falling(signal)
     if stretch is None:
