@@ -29,7 +29,7 @@ from suspid import (
 )
 from suspid.analysis import CarSettings
 from suspid.cli import main
-from suspid.greybox.axle_data import axle_record, behind_of, cross_power
+from suspid.greybox.axle_data import Lag, axle_record, behind_of, cross_power
 from suspid.greybox.axle_model import AxleModel, axle_model
 from suspid.greybox.measured_causes import first_levels
 from suspid.greybox.road_maps import MapProblem
@@ -140,9 +140,9 @@ class TestMaps:
         record = made.records[0]
         inside = slice(record.starts[0], record.starts[-1])
 
-        def apart(x: RealArray, lag: float) -> float:
+        def apart(x: RealArray, lag: float, late: float = 0.0) -> float:
             # From 0.5 Hz on: what the ends of a record leave lies below.
-            front, rear = record.slopes(made.maps, z, x, lag)[:, inside]
+            front, rear = record.slopes(made.maps, z, x, Lag(lag, late))[:, inside]
             power = cross_power(
                 [np.stack([front - rear, rear])], [range(0, len(rear) - 1600, 1600)], 1600, np.arange(8, 200)
             )
@@ -154,6 +154,7 @@ class TestMaps:
         assert exact < 3e-3
         assert apart(stiffer, LAG) > 5 * exact
         assert apart(x, 1.01 * LAG) > 5 * exact
+        assert apart(x, LAG, 0.001) > 5 * exact
 
 
 class TestDerivatives:
@@ -162,10 +163,10 @@ class TestDerivatives:
         here = made.maps.maps(made.s, z, x)
         own = made.prior.mean + 0.1
         levels = np.linspace(-9, -8, made.stretches)
-        expected = made.expected(here, own, levels, LAG)
+        expected = made.expected(here, own, levels, Lag(LAG))
         step = 1e-5
         for i, column in enumerate(made.by_own(here, own, expected)):
-            one, other = (made.expected(here, own + h * (np.arange(len(own)) == i), levels, LAG).whole
+            one, other = (made.expected(here, own + h * (np.arange(len(own)) == i), levels, Lag(LAG)).whole
                           for h in (step, -step))  # fmt: skip
             scale = np.abs(column).max()
             # Growth and radius of orders are differences of one side, to 1e-4 of rotations on straight lines.
@@ -177,7 +178,7 @@ class TestDerivatives:
         made, z, x = model()
         here = made.maps.maps(made.s, z, x)
         own, levels = made.prior.mean, np.full(made.stretches, -8.0)
-        expected = made.expected(here, own, levels, LAG)
+        expected = made.expected(here, own, levels, Lag(LAG))
         direction = np.where(np.arange(len(x)) == 1, x, 0.0)
         column = made.by_car(here, expected, z, x, [(np.zeros(len(z)), direction)])[0]
         step = 1e-4
@@ -196,6 +197,14 @@ class TestEstimate:
         assert np.all(np.abs(values(both) - TRUE) < 3 * stds(both))
         # Bounds: 5 % in five minutes from one axle, 0.7 % from two.
         assert np.all(stds(both) < stds(one) / 2.5)
+
+    def test_smoothed_speed(self) -> None:
+        """Means over 3 s take 1.6 % of swings of 30 s: to the lag they are what a longer way and a delay are."""
+        record, speed = drive()
+        smooth = np.convolve(np.pad(speed, 300, mode="edge"), np.ones(601) / 601, mode="valid")
+        both = asked_of(record, smooth, behind=BEHIND)
+        assert np.all(np.abs(values(both) - TRUE) < 3 * stds(both))
+        assert np.all(np.abs(values(both) - values(found(True))) < stds(both))
 
     def test_says_what_decided(self) -> None:
         checks = [check.remark for check in found(True).verdict.checks if check.remark.code is EstimateCheck.BEHIND]

@@ -46,6 +46,21 @@ class Behind(NamedTuple):
     wheels: tuple[int, int]  # coordinates on the front and the rear one
 
 
+class Lag(NamedTuple):
+    """How much later a wheel meets the road of another: the way between them, and a time besides.
+
+    Loggers smooth the speed, so that it swings less than the car. Then the time of a way is off by what a longer way
+    and a delay make together.
+    """
+
+    way: Metre
+    time: Second = 0.0
+
+    def delays(self, log_speed: RealArray) -> RealArray:
+        """Return the delays [s] at given speeds, by their logarithms."""
+        return np.asarray(self.way * np.exp(-log_speed) + self.time)
+
+
 def behind_of(behind: Led | None, car: Suspension) -> tuple[Behind, ...]:
     """Return which roads of a car follow which.
 
@@ -117,7 +132,7 @@ class AxleRecord:
     distance: RealArray  # (sample,)
     starts: tuple[int, ...]  # first sample of each stretch
 
-    def slopes(self, maps: MapProblem, z: RealArray, x: RealArray, lag: Metre) -> RealArray:
+    def slopes(self, maps: MapProblem, z: RealArray, x: RealArray, lag: Lag) -> RealArray:
         """Return the slopes of the first two roads of ``maps`` at the place of the second one, (2, sample)."""
         from scipy.interpolate import CubicSpline
 
@@ -129,7 +144,7 @@ class AxleRecord:
         whole[:, self.first : self.first + len(self.s)] = FINER * rates.T
         front, rear = np.fft.irfft(whole, FINER * self.count, axis=1)
         times = self.step * np.arange(self.count)
-        before = np.interp(self.distance - lag, self.distance, times)
+        before = np.interp(self.distance - lag.way, self.distance, times) - lag.time
         there = CubicSpline(self.step / FINER * np.arange(len(front)), front)(before)
         return np.stack([there / np.interp(before, times, self.speed), rear[::FINER] / self.speed])
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.greybox.axle_model import AxleModel, Expected, Spectral
+from suspid.greybox.axle_data import Behind, Lag
+from suspid.greybox.axle_model import LATE_STD, AxleModel, Expected, Spectral
 from suspid.greybox.road_maps import RoadMap
 from suspid.greybox.tire_fit import scatter
 from suspid.reconstruction import LARGEST_STEP, Unknowns
@@ -38,18 +39,18 @@ class AxleProblem:
     @property
     def shared(self) -> int:
         """Number of unknowns that all models share."""
-        return int(self.spread.shape[1]) + len(self.unknowns) + 1
+        return int(self.spread.shape[1]) + len(self.unknowns) + 2
 
-    def at(self, state: AxleState, model: AxleModel) -> tuple[RealArray, RealArray, RoadMap, float]:
+    def at(self, state: AxleState, model: AxleModel) -> tuple[RealArray, RealArray, RoadMap, Lag]:
         """Return z, x, the maps of a model, and the lag."""
         z = self.found + self.spread @ state.off
-        return z, state.x, model.maps.maps(model.s, z, state.x), model.behind.lag * float(np.exp(state.log_lag))
+        return z, state.x, model.maps.maps(model.s, z, state.x), state.lag(model.behind)
 
     @property
     def prior_std(self) -> RealArray:
         """Standard deviations of all unknowns but x, which has its own prior; infinite there."""
         u = np.full(len(self.unknowns), np.inf)
-        return np.concatenate([np.ones(self.spread.shape[1]), u, [LAG_STD], *(m.prior.std for m in self.models)])
+        return np.concatenate([np.ones(self.spread.shape[1]), u, [LAG_STD, 1.0], *(m.prior.std for m in self.models)])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -59,8 +60,13 @@ class AxleState:
     off: RealArray  # components of the first step
     x: RealArray
     log_lag: float  # over the stated one, of all tracks
+    late: float  # time besides, in `LATE_STD`
     own: tuple[RealArray, ...]  # by model
     levels: tuple[RealArray, ...]  # by model, (stretch,)
+
+    def lag(self, behind: Behind) -> Lag:
+        """Return how much later the rear wheel of a pair meets the road."""
+        return Lag(behind.lag * float(np.exp(self.log_lag)), LATE_STD * self.late)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -80,7 +86,7 @@ class AxleFit:
     state: AxleState
     covariance: RealArray  # (unknown, unknown) of x
     by_found: RealArray  # (unknown, component): change of x with what the first step found
-    log_lag_std: float
+    lag_covariance: RealArray  # (2, 2): of the logarithm of the way, and of the time in `LATE_STD`
 
 
 def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
@@ -118,7 +124,7 @@ def fit_axles(problem: AxleProblem, first: AxleState) -> AxleFit:
         state=state,
         covariance=natural[:, None] * whole[x, x] * natural,
         by_found=natural[:, None] * inverse[x, :size],
-        log_lag_std=float(np.sqrt(whole[size + count, size + count])),
+        lag_covariance=whole[size + count : problem.shared, size + count : problem.shared],
     )
 
 
@@ -144,6 +150,7 @@ def first_state(
         off=np.zeros(problem.spread.shape[1]),
         x=start,
         log_lag=0.0,
+        late=0.0,
         own=tuple(own),
         levels=tuple(np.zeros(m.stretches) for m in problem.models),
     )
@@ -185,7 +192,7 @@ def _value(problem: AxleProblem, state: AxleState) -> tuple[float, list[ComplexA
 def _off(problem: AxleProblem, state: AxleState) -> RealArray:
     """Return all unknowns less their means before the record is asked; 0 for x."""
     own = [own - model.prior.mean for model, own in zip(problem.models, state.own, strict=True)]
-    return np.concatenate([state.off, np.zeros(len(state.x)), [state.log_lag], *own])
+    return np.concatenate([state.off, np.zeros(len(state.x)), [state.log_lag, state.late], *own])
 
 
 def _known(problem: AxleProblem, state: AxleState) -> tuple[RealArray, RealArray]:
@@ -210,7 +217,7 @@ def _cells(problem: AxleProblem, state: AxleState, number: int, power: ComplexAr
     directions = [(row, nothing_x) for row in problem.spread.T]
     directions += [(nothing_z, row) for row in np.diag(u.per_step(x))]
     columns = model.by_car(here, made, z, x, directions)
-    columns.append(model.by_lag(made, lag))
+    columns += model.by_lag(made, lag)
     columns += model.by_own(here, state.own[number], made)
     root: ComplexArray = np.asarray(np.linalg.inv(np.linalg.cholesky(made.whole)), complex)
     share = _flat(root, made.road)
@@ -307,6 +314,7 @@ def _moved(problem: AxleProblem, state: AxleState, every: Sequence[Cells], step:
         off=state.off + step[:first],
         x=np.clip(x, u.lower, u.upper),
         log_lag=state.log_lag + float(step[first + len(u)]),
+        late=state.late + float(step[first + len(u) + 1]),
         own=tuple(own),
         levels=tuple(levels),
     )

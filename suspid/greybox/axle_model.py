@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.greybox.axle_data import AxleRecord, Behind, best_motion, cross_power
+from suspid.greybox.axle_data import AxleRecord, Behind, Lag, best_motion, cross_power
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.road_maps import MapProblem, RoadMap
 from suspid.greybox.road_model import (
@@ -28,7 +28,7 @@ from suspid.greybox.road_model import (
     RoadModel,
 )
 from suspid.simulation import REFERENCE
-from suspid.units import ComplexArray, RealArray
+from suspid.units import ComplexArray, RealArray, Second
 
 Spectral: TypeAlias = RealArray | ComplexArray  # matrices of spectra, whether or not they are real
 # Logarithm of rho at the reference wave number: less than 1 % of a road's power is the wheels' own, known to nothing.
@@ -39,6 +39,9 @@ UNSHARED_CHANGE = 1.0  # standard deviation of the logarithm of rho about that p
 # Power of a wheel order over that of a force of `ORDER_FORCE`, 500 N at most. It is linear here: the logarithm of none
 # has no end.
 LARGEST_ORDER = 2500.0
+# Standard deviation of the time by which the rear wheel is later besides: a speed of which a logger smooths away a
+# twentieth of the swings leaves 5 % of the delay, some ms.
+LATE_STD: Second = 5e-3
 SMALL_STEP = 1e-4  # of unknowns, in derivatives of maps by differences
 
 
@@ -114,7 +117,7 @@ class AxleModel:
         """Logarithm of wave number over its reference, (stretch, line)."""
         return np.asarray(np.log(self.s.imag / (2 * np.pi * REFERENCE)) - self.road.track.log_speed[:, None])
 
-    def measured(self, z: RealArray, x: RealArray, lag: float) -> ComplexArray:
+    def measured(self, z: RealArray, x: RealArray, lag: Lag) -> ComplexArray:
         """Return the spectral matrix of the slopes that a car makes of the records, (stretch, line, 2, 2)."""
         rows = [record.slopes(self.maps, z, x, lag) for record in self.records]
         return cross_power(rows, [r.starts for r in self.records], self.road.track.samples, self.lines)
@@ -136,11 +139,11 @@ class AxleModel:
         """Standard deviation of what the components make."""
         return float(np.sqrt(np.mean(np.sum(self.components**2, axis=2))))
 
-    def expected(self, here: RoadMap, own: RealArray, levels: RealArray, lag: float) -> Expected:
+    def expected(self, here: RoadMap, own: RealArray, levels: RealArray, lag: Lag) -> Expected:
         """Return the expected spectral matrix."""
         parts, track = self.road.functions.shape[1], self.road.track
         late = np.ones((self.stretches, len(self.s), 2), complex)
-        late[:, :, 0] = np.exp(-self.s * (lag * np.exp(-track.log_speed))[:, None])
+        late[:, :, 0] = np.exp(-self.s * lag.delays(track.log_speed)[:, None])
         per_metre = np.abs(self.s) ** 2 * self.by_speed[:, None]
         uneven = np.exp(own[1 + parts : self._at_unshared] / 2)
         back = here.roads[:, :2]
@@ -209,12 +212,14 @@ class AxleModel:
             columns.append(-(moved + moved.conj().swapaxes(2, 3)))
         return columns
 
-    def by_lag(self, made: Expected, lag: float) -> ComplexArray:
-        """Return the derivative by the logarithm of the lag."""
-        moved = np.zeros_like(made.noise)
-        factor = self.s * (lag * np.exp(-self.road.track.log_speed))[:, None]
-        moved[..., 0, :] = factor[..., None] * (made.road + made.orders)[..., 0, :]
-        return np.asarray(moved + moved.conj().swapaxes(2, 3))
+    def by_lag(self, made: Expected, lag: Lag) -> list[Spectral]:
+        """Return the derivatives by the logarithm of the way, and by the time in `LATE_STD`."""
+        columns: list[Spectral] = []
+        for delay in (lag.way * np.exp(-self.road.track.log_speed), np.full(self.stretches, LATE_STD)):
+            moved = np.zeros_like(made.noise)
+            moved[..., 0, :] = (self.s * delay[:, None])[..., None] * (made.road + made.orders)[..., 0, :]
+            columns.append(moved + moved.conj().swapaxes(2, 3))
+        return columns
 
     def _orders(self, here: RoadMap, own: RealArray, per_metre: RealArray) -> ComplexArray:
         """Return the power of the wheels' orders, which count as incoherent."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.greybox.axle_data import STANDING, Behind, axle_record
 from suspid.greybox.axle_fit import AxleFit, AxleProblem, first_state, fit_axles
-from suspid.greybox.axle_model import AxleModel, axle_model
+from suspid.greybox.axle_model import LATE_STD, AxleModel, axle_model
 from suspid.greybox.fits import Fit
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.road_maps import MapProblem
@@ -129,7 +129,10 @@ def _apart(
 
 
 def _together(problem: AxleProblem, fit: AxleFit, pair: Behind, coherence: float) -> Check:
-    """Return what is said of a pair whose roads are one."""
-    lag = pair.lag * float(np.exp(fit.state.log_lag))
-    names = {**_names(problem, pair, coherence), "lag": lag, "std": lag * fit.log_lag_std}
+    """Return what is said of a pair whose roads are one: the way by which the rear one is later at the usual speed."""
+    speed = float(np.exp(np.median(np.concatenate([m.road.track.log_speed for m in problem.models]))))
+    lag = fit.state.lag(pair)
+    slope = np.array([lag.way, speed * LATE_STD])
+    std = float(np.sqrt(slope @ fit.lag_covariance @ slope))
+    names = {**_names(problem, pair, coherence), "lag": lag.way + speed * lag.time, "std": std}
     return Check(Remark(EstimateCheck.BEHIND, names), Level.NOTE)
