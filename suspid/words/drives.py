@@ -144,7 +144,7 @@ class DriveRemark(Code):
     UNKNOWN_UNIT = "unknown unit", sentence(_unknown_unit)
     TOO_STRONG = (
         "too strong",
-        "The usual vibration is {level:.2g} m/s2, which no car has: the unit of a channel is wrong, such as g for "
+        "The usual vibration is {level:.0f} m/s2, which no car has: the unit of a channel is wrong, such as g for "
         "thousandths of g. Frequencies do not depend on it; which stretches were taken does.",
     )
     NO_MOTION = (
