@@ -10,6 +10,7 @@ from suspid.greybox.held_speed import released
 from suspid.recordings import RawChannel
 from suspid.records import as_response
 from suspid.units import RealArray
+from suspid.words.drives import DriveRemark
 
 TIME = np.arange(6000) / 100
 
@@ -61,3 +62,11 @@ def test_drives_have_the_speed_of_the_car() -> None:
     found = find_drives(as_response(TIME, rows, ("az [m/s2]", "speed [m/s]")))
     inside = slice(200, 5700)  # At its ends a drive has no middles of blocks to either side.
     np.testing.assert_allclose(found.speeds[0][inside], (10 + TIME / 10)[inside], atol=0.01)
+
+
+@pytest.mark.parametrize(("speed", "shakes", "said"), [(0.0, 3.0, True), (0.0, 0.1, False), (20.0, 3.0, False)])
+def test_a_dead_channel_is_said(speed: float, shakes: float, said: bool) -> None:
+    """A car that shakes moves; one that only idles may stand."""
+    rows = np.vstack([shakes * np.random.default_rng(1).standard_normal(len(TIME)), np.full(len(TIME), speed)])
+    found = find_drives(as_response(TIME, rows, ("az [m/s2]", "speed [m/s]")))
+    assert (DriveRemark.DEAD_SPEED in [one.remark.code for one in found.remarks]) == said
