@@ -27,7 +27,7 @@ FEWEST_CHANGES = 10  # of a channel that is held: fewer may be those of one that
 # Usual vibration beyond which a unit is wrong [m/s2]: a wheel on the worst roads has half of it, a body a tenth.
 MOST_SHAKEN: MetrePerSecond2 = 100.0
 # Usual vibration of a car that moves, beyond which its speed is not the same throughout; an idling engine makes less.
-SURELY_MOVING: MetrePerSecond2 = 0.5
+SURELY_MOVING: MetrePerSecond2 = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
