@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,15 +98,18 @@ def behind_of(behind: Led | None, car: Suspension) -> tuple[Behind, ...]:
     )
 
 
-def _pair(rear: str, led: object) -> tuple[str, str, Metre]:
+def _pair(rear: str, led: Any) -> tuple[str, str, Metre]:
     """Return a road, the one that it follows, and how far behind; refuse what is not that."""
-    front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else (None, None)
-    if not isinstance(lag, int | float) or not 0 < lag < np.inf:
+    if not isinstance(led, tuple | list) or len(led) != 2:
+        wrong, fits = repr(led), False
+    else:
+        wrong, fits = repr(led[1]), isinstance(led[1], int | float) and 0 < led[1] < np.inf
+    if not fits:
         raise InputError(
             Argument("behind"),
-            f": {rear!r} needs the road that it follows and the distance, a positive number [m], not "
-            + (repr(led) if front is None else f"{lag!r}"),
+            f": {rear!r} needs the road that it follows and the distance, a positive number [m], not {wrong}",
         )
+    front, lag = led
     return rear, front, float(lag)
 
 

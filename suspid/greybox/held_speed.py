@@ -16,8 +16,8 @@ SHORTEST_RUN = 1.5  # samples: values that are not repeated are not held
 SHORT_RUNS: Ratio = 0.2
 # Deviation of runs from multiples of the period, and share of runs that keep to it: a clock jitters by a few percent,
 # and of runs that rounding makes a fifth would keep to it.
-JITTER: Ratio = 0.1
-REGULAR: Ratio = 0.9
+HELD_JITTER: Ratio = 0.1
+REGULAR_SHARE: Ratio = 0.9
 
 
 def released(channel: RawChannel) -> RawChannel:
@@ -43,7 +43,7 @@ def released(channel: RawChannel) -> RawChannel:
     if not period > SHORTEST_RUN * float(np.median(np.diff(t))):
         return channel
     sent = np.maximum(np.rint(runs / period), 1)
-    if np.mean(np.abs(runs / period - sent) <= JITTER) < REGULAR:
+    if np.mean(np.abs(runs / period - sent) <= HELD_JITTER) < REGULAR_SHARE:
         return channel
     many = sent.astype(int)
     within = np.arange(np.sum(many)) - np.repeat(np.cumsum(many) - many, many)
