@@ -28,6 +28,7 @@ from suspid import (
     quarter_car,
     simulate,
 )  # fmt: skip
+from suspid.greybox import curve_travel
 from suspid.greybox.curve_fit import CurveFit, Linearised, Noise, Shape
 from suspid.greybox.curve_following import INDEPENDENT_LINES
 from suspid.greybox.curve_noise import Residual
@@ -523,3 +524,17 @@ class TestTurns:
         near = np.array([[moved.moves[i - first // 2 + k] for k in range(-4, 5)] for i in passed])
         assert len(passed) > 20
         assert np.all(near == 0) == held
+
+    @pytest.mark.parametrize(("lasts", "held"), [([0.9], [False] * 5), ([0.9, 1.1, 0.9], [False] * 2 + [True] * 3)])
+    def test_a_sample_or_more_counts(self, lasts: list[float], held: list[bool], monkeypatch: Any) -> None:
+        """Round by round, and once found it stays so: the friction of the next round is another."""
+        rounds, asked = iter(lasts), list[bool]()
+
+        def expected(*given: Any, held: bool) -> Any:
+            asked.append(held)
+            return _expected(*given, held=held)
+
+        monkeypatch.setattr(curve_travel, "_expected", expected)
+        monkeypatch.setattr(curve_travel, "_turn_samples", lambda *_: next(rounds, lasts[-1]))
+        damper_curve(record("digressive", 30.0, ("chassis_acceleration", "chassis_travel")), CAR, strut="chassis")
+        assert asked == held

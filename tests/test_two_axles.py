@@ -30,7 +30,7 @@ from suspid import (
 from suspid.analysis import CarSettings
 from suspid.cli import main
 from suspid.greybox.axle_data import Lag, axle_record, behind_of, cross_power
-from suspid.greybox.axle_model import AxleModel, axle_model
+from suspid.greybox.axle_model import LATE_STD, AxleModel, axle_model
 from suspid.greybox.measured_causes import first_levels
 from suspid.greybox.road_maps import MapProblem
 from suspid.greybox.road_model import road_model
@@ -40,7 +40,7 @@ from suspid.greybox.wheel_problem import wheel_problem
 from suspid.greybox.whole_car import _part, _parts
 from suspid.reconstruction import unknowns_of
 from suspid.records import as_response
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 from suspid.words import EstimateCheck
 from validation.motion import RADIUS, Drive, driven, record_of
 
@@ -173,6 +173,24 @@ class TestDerivatives:
             loose = 0.05 if i >= len(own) - 2 else 1e-5
             np.testing.assert_allclose(column, (one - other) / (2 * step), atol=loose * scale)
 
+    def test_by_lag(self) -> None:
+        """Behind a longer lag the front's slope is later by the difference: what is expected moves the other way."""
+        made, z, x = model()
+        expected = made.expected(made.maps.maps(made.s, z, x), made.prior.mean + 0.1, np.full(made.stretches, -8.0),
+                                 Lag(LAG))  # fmt: skip
+        speed, step = made.road.track.log_speed, 1e-5
+
+        def seen(lag: Lag) -> ComplexArray:
+            late = np.ones((made.stretches, len(made.s), 2), complex)
+            late[..., 0] = np.exp(-made.s * (lag.delays(speed) - LAG / np.exp(speed))[:, None])
+            return late[..., :, None] * (expected.road + expected.orders) * late.conj()[..., None, :]
+
+        ends = [(Lag(LAG * (1 - step)), Lag(LAG * (1 + step)))]
+        ends += [(Lag(LAG, -step * LATE_STD), Lag(LAG, step * LATE_STD))]
+        for column, (shorter, longer) in zip(made.by_lag(expected, Lag(LAG)), ends, strict=True):
+            less, more = seen(shorter), seen(longer)
+            np.testing.assert_allclose(column, (less - more) / (2 * step), atol=1e-6 * np.abs(column).max())
+
     def test_by_car(self) -> None:
         """The frame of a changed car, with the road unchanged in it, seen from the first car."""
         made, z, x = model()
@@ -205,9 +223,14 @@ class TestEstimate:
         both = asked_of(record, smooth, behind=BEHIND)
         assert np.all(np.abs(values(both) - TRUE) < 3 * stds(both))
         assert np.all(np.abs(values(both) - values(found(True))) < stds(both))
+        # Way and time are wrong alone; at the usual speed they make the way.
+        self.says_the_way(both)
 
     def test_says_what_decided(self) -> None:
-        checks = [check.remark for check in found(True).verdict.checks if check.remark.code is EstimateCheck.BEHIND]
+        self.says_the_way(found(True))
+
+    def says_the_way(self, one: Estimate) -> None:
+        checks = [check.remark for check in one.verdict.checks if check.remark.code is EstimateCheck.BEHIND]
         assert len(checks) == 1
         lag, std = (float(checks[0].numbers[name]) for name in ("lag", "std"))  # type: ignore[arg-type]
         assert abs(lag - LAG) < 4 * std < 0.01 * LAG
@@ -361,7 +384,7 @@ class TestDrives:
         ("options", "words"),
         [
             ({"behind": BEHIND}, "belongs to a model of the road"),
-            ({"behind": {"road_rear": ("road", 2.7)}, "road": "iso8608"}, "every road of the car once"),
+            ({"behind": {"road_rear": ("road", 2.7)}, "road": "iso8608"}, "no road 'road'"),
         ],
     )
     def test_a_fleet_refuses_at_once(self, tmp_path: Path, options: dict[str, Any], words: str) -> None:
@@ -373,11 +396,13 @@ class TestRefused:
     @pytest.mark.parametrize(
         ("options", "words"),
         [
-            ({"behind": {"road_rear": ("road_front", -1.0)}}, "distance"),
-            ({"behind": {"road_rear": "road_front"}}, "distance"),
-            ({"behind": {"rear": ("front", 2.7)}}, "road_front"),
+            ({"behind": {"road_rear": ("road_front", -1.0)}}, "'road_rear' needs .* the distance.* not -1.0"),
+            ({"behind": {"road_rear": "road_front"}}, "'road_rear' needs .* the distance.* not 'road_front'"),
+            ({"behind": {"rear": ("front", 2.7)}}, "no road 'rear'; it has 'road_front', 'road_rear'"),
+            ({"behind": {"road_rear": ("road_rear", 2.7)}}, "'road_front' 0 times, 'road_rear' 2 times"),
             ({"behind": BEHIND, "speed": None}, "speed"),
-            ({"behind": BEHIND, "road": None, "speed": None}, "belong to a model of the road"),
+            ({"behind": BEHIND, "road": None, "speed": None}, "^behind belongs to a model of the road"),
+            ({"behind": None, "road": None}, "^speed belongs to a model of the road"),
         ],
     )
     def test_says_why(self, options: dict[str, Any], words: str) -> None:

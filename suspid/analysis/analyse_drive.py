@@ -35,6 +35,7 @@ from suspid.recordings import Recording
 from suspid.signals import as_signal
 from suspid.threads import in_one_thread
 from suspid.units import Metre
+from suspid.wording import Argument
 from suspid.words import Check, Level, Remark
 from suspid.words.drives import DriveRemark
 
@@ -169,8 +170,9 @@ def analyse_drive(
             notes.append(Check(Remark(DriveRemark.NO_SPRINGS, {"why": error.wording}), Level.CARE))
     elif road is not None or behind or before:
         raise InputError(
-            "road, behind and before need springs and dampers: give a car, and a channel for the motion of each wheel"
-            + (f" (not shown: {', '.join(missing)})" if missing else "")
+            *(Argument("road"), ", ", Argument("behind"), " and ", Argument("before")),
+            " need springs and dampers: give a car, and a channel for the motion of each wheel"
+            + (f" (not shown: {', '.join(missing)})" if missing else ""),
         )
     try:
         body = body_modes(records, car=car)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS
 from suspid.model import Suspension
 from suspid.units import ComplexArray, Hertz, Metre, RealArray, Second
-from suspid.values import listed
+from suspid.values import likely_names, listed
 from suspid.wording import Argument
 
 LOWEST_SLOPE: Hertz = 0.3  # below it, accelerations say nothing of roads
@@ -72,17 +72,19 @@ def behind_of(behind: Led | None, car: Suspension) -> tuple[Behind, ...]:
     """
     if not behind:
         return ()
-    roads, pairs = list(car.roads), []
-    for rear, led in behind.items():
-        front, lag = led if isinstance(led, tuple | list) and len(led) == 2 else ("", None)
-        fits = isinstance(lag, int | float) and 0 < lag < np.inf
-        pairs.append((rear, front, float(lag) if fits and lag is not None else np.nan))
+    roads, pairs = list(car.roads), [_pair(rear, led) for rear, led in behind.items()]
     named = [road for rear, front, _ in pairs for road in (rear, front)]
-    if sorted(map(str, named)) != sorted(roads) or any(np.isnan(lag) for _, _, lag in pairs):
+    for road in named:
+        if road not in roads:
+            raise InputError(
+                Argument("behind"),
+                f": the car has no road {road!r}; it has {listed(roads)}.{likely_names(str(road), roads)}",
+            )
+    odd = [f"{road!r} {named.count(road)} times" for road in roads if named.count(road) != 1]
+    if odd:
         raise InputError(
-            Argument("behind", repr(dict(behind))),
-            " must name every road of the car once, each rear one with the front one that it follows and the distance "
-            f"[m], such as {{'rear': ('front', 2.7)}}; the car's roads are {listed(roads)}",
+            Argument("behind"),
+            f" must name every road of the car once, as one that follows or one that leads; it names {', '.join(odd)}",
         )
     arms, on_roads = car.arms(car.coordinates), car.arms(car.roads)
     on = [np.flatnonzero(np.any(arms[on_roads[:, i] != 0] != 0, axis=0)).tolist() for i in range(len(roads))]
@@ -94,6 +96,21 @@ def behind_of(behind: Led | None, car: Suspension) -> tuple[Behind, ...]:
         Behind(rear=roads.index(rear), front=roads.index(front), lag=lag, wheels=(places[front], places[rear]))
         for rear, front, lag in pairs
     )
+
+
+def _pair(rear: str, led: Any) -> tuple[str, str, Metre]:
+    """Return a road, the one that it follows, and how far behind; refuse what is not that."""
+    if not isinstance(led, tuple | list) or len(led) != 2:
+        wrong, fits = repr(led), False
+    else:
+        wrong, fits = repr(led[1]), isinstance(led[1], int | float) and 0 < led[1] < np.inf
+    if not fits:
+        raise InputError(
+            Argument("behind"),
+            f": {rear!r} needs the road that it follows and the distance, a positive number [m], not {wrong}",
+        )
+    front, lag = led
+    return rear, front, float(lag)
 
 
 def check_rolled(pairs: Sequence[Behind], car: Suspension, trials: Sequence[Trial], speed: object) -> None:

@@ -69,7 +69,8 @@ def fitted_car(
     """
     _check(suspension)
     trials = trials_of(records, suspension, asked.given)
-    check_road(trials, road=asked.road, rolling=(asked.speed, asked.wheel_radius, asked.behind or None))
+    asked_of_road = {"behind": asked.behind or None, "wheel_radius": asked.wheel_radius, "speed": asked.speed}
+    check_road(trials, road=asked.road, rolling=asked_of_road)
     driven = [bool(trial.wheels) for trial in trials]
     if any(driven) and not all(driven):
         raise InputError(

@@ -15,7 +15,7 @@ from suspid.greybox.record_test import RecordTest
 from suspid.greybox.trials import Trial, records_of
 from suspid.signals import as_signal
 from suspid.units import Metre, MetrePerSecond, RealArray
-from suspid.values import frozen_real, listed, nearest_names
+from suspid.values import frozen_real, likely_names, listed
 from suspid.wording import Argument
 
 SLOWEST: MetrePerSecond = 1.0  # below it a car counts as moving at this speed; a standing one has no road
@@ -81,7 +81,7 @@ def _samples(record: object, trial: Trial, speed: Any) -> RealArray:
             raise InputError(
                 Argument("speed"),
                 f": the record has no channel {speed!r}; it has {listed(signal.channels)}."
-                f"{nearest_names(speed, signal.channels)}",
+                f"{likely_names(speed, signal.channels)}",
             )
         values = signal.values[signal.channels.index(speed)]
     else:

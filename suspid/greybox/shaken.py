@@ -26,6 +26,8 @@ UNIT_OF_ORDER = (("m", "rad"), ("m/s", "rad/s"), ("m/s2", "rad/s2"))
 FEWEST_CHANGES = 10  # of a channel that is held: fewer may be those of one that is stuck
 # Usual vibration beyond which a unit is wrong [m/s2]: a wheel on the worst roads has half of it, a body a tenth.
 MOST_SHAKEN: MetrePerSecond2 = 100.0
+# Usual vibration of a car that moves, beyond which its speed is not the same throughout; an idling engine makes less.
+SURELY_MOVING: MetrePerSecond2 = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -111,15 +113,24 @@ def said_of(shaken: Shaken, *, by_vibration: bool) -> list[Check]:
 
 
 def said_of_level(course: Sequence[RealArray]) -> list[Check]:
-    """Return what is to be said where a car cannot shake so; ``course`` has the vibration of each block last.
+    """Return what is to be said where a car cannot shake so; ``course`` has speed and vibration of each block last.
 
     Examples
     --------
     >>> [len(said_of_level([np.array([[0.0, 20.0, level]])])) for level in (20.0, 1000.0)]
     [0, 1]
+    >>> [len(said_of_level([np.array([[0.0, 0.0, level], [1.0, 0.0, level]])])) for level in (0.2, 2.0)]
+    [0, 1]
     """
-    usual = float(np.median(np.concatenate(course)[:, 2])) if course else 0.0
-    return [Check(Remark(DriveRemark.TOO_STRONG, {"level": usual}), Level.CARE)] if usual > MOST_SHAKEN else []
+    if not course:
+        return []
+    _, speed, level = np.concatenate(course).T
+    usual, said = float(np.median(level)), []
+    if usual > MOST_SHAKEN:
+        said.append(Check(Remark(DriveRemark.TOO_STRONG, {"level": usual}), Level.CARE))
+    if np.all(speed == 0) and usual > SURELY_MOVING:
+        said.append(Check(Remark(DriveRemark.DEAD_SPEED, {"level": usual}), Level.CARE))
+    return said
 
 
 def said_of_units(recording: Recording, shaken: Shaken) -> list[Check]:

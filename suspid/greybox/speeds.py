@@ -18,6 +18,7 @@ from suspid.greybox.channel_words import (
     YAW_WORDS,
     words_of,
 )
+from suspid.greybox.held_speed import released
 from suspid.greybox.level_axes import about_vertical, horizontal
 from suspid.greybox.stated_units import in_si, spelled, stated_unit
 from suspid.recordings import RawChannel, Recording
@@ -114,7 +115,7 @@ def way_of(
             " needs a speed channel, and none was found; name it with ",
             Argument("speed"),
         )
-    moving = None if moving is None else directed(moving)
+    moving = None if moving is None else released(directed(moving))
     unused = several or _unused(moving, free, speed)
     yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)
     along, across = chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"), chosen(lateral, LATERAL_WORDS, "m/s2")

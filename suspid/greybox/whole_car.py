@@ -6,7 +6,7 @@ covariance is carried into the second.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -40,8 +40,8 @@ TIRE_DAMPING_RATIO: Ratio = 0.01
 ROADS = ("iso8608",)
 
 
-def check_road(trials: Sequence[Trial], *, road: str | None, rolling: Sequence[object]) -> None:
-    """Refuse a model of the road that is unknown or has no wheels, and a speed without such a model.
+def check_road(trials: Sequence[Trial], *, road: str | None, rolling: Mapping[str, object]) -> None:
+    """Refuse a model of the road that is unknown or has no wheels, and what is given for such a model without one.
 
     Raises
     ------
@@ -49,14 +49,10 @@ def check_road(trials: Sequence[Trial], *, road: str | None, rolling: Sequence[o
         Saying which.
     """
     if road is None:
-        if any(one is not None for one in rolling):
+        given = next((name for name, one in rolling.items() if one is not None), None)
+        if given is not None:
             raise InputError(
-                Argument("speed"),
-                " and ",
-                Argument("wheel_radius"),
-                " belong to a model of the road; give ",
-                Argument("road", "'iso8608'"),
-                " too",
+                Argument(given), " belongs to a model of the road; give ", Argument("road", "'iso8608'"), " too"
             )
         return
     if road not in ROADS:

@@ -144,8 +144,17 @@ class DriveRemark(Code):
     UNKNOWN_UNIT = "unknown unit", sentence(_unknown_unit)
     TOO_STRONG = (
         "too strong",
-        "The usual vibration is {level:.2g} m/s2, which no car has: the unit of a channel is wrong, such as g for "
+        "The usual vibration is {level:.0f} m/s2, which no car has: the unit of a channel is wrong, such as g for "
         "thousandths of g. Frequencies do not depend on it; which stretches were taken does.",
+    )
+    DEAD_SPEED = (
+        "dead speed",
+        sentence(
+            lambda n: (
+                f"The speed is 0 throughout, but the car vibrates as one that moves, with {n['level']:.3g} m/s2: the "
+                f"channel of the speed is dead. {Argument('speed', repr('none'))} goes by the vibration."
+            )
+        ),
     )
     NO_MOTION = (
         "no motion",

@@ -194,7 +194,8 @@ class EstimateCheck(Code):
         "not behind",
         "The road under {rear} is not closely enough that under {front}: their coherence is {coherence:.3g}, the "
         "median over the lines; {least:g} is needed. Tires and wheel masses are those of each axle by itself. If "
-        "the wheels roll in one track, check which road is behind, and how far.",
+        "the wheels roll in one track, check which road is behind, how far, and the speed: its unit, and whether it is "
+        "late, smoothed, or in steps of a second.",
     )
     FEW_BEHIND = (
         "few behind",
