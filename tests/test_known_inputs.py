@@ -111,7 +111,28 @@ class TestDelays:
         assert -value(late, "road.delay") == pytest.approx(value(other, "chassis_acceleration.delay"), abs=1e-8)
         np.testing.assert_allclose(late.values[:4], other.values[:4], rtol=1e-6)
 
+    @pytest.mark.parametrize("seed", [1, 2])
+    def test_channels_that_are_all_late_need_no_mount(self, seed: int) -> None:
+        record = row().record(np.random.default_rng(seed))
+        # Every channel shows what it does a step later; the beginning is no rest.
+        late = as_response(
+            record.time[:-1], record.outputs[:, :-1], record.output_labels, inputs={"road": record.inputs.ravel()[1:]}
+        )
+        found = estimate(late, QUARTER, given=["road"])
+        assert found.explains
+        assert {name for name in found.parameters if name.endswith(".relaxation")} == set()
+        assert value(found, "chassis_acceleration.delay") == pytest.approx(1 / 200, abs=6e-4)
+        assert holds(found)
+
+    def test_a_rigid_mount_differs_from_none_by_nothing(self) -> None:
+        for seed in (1, 2):
+            found = fitted(row(), seed, mounts=["chassis"])
+            assert found.interval(0.95)["chassis.relaxation"][0] == 0
+            assert "chassis.relaxation" not in found.beyond_chance()
+
     def test_what_cannot_be_told_is_refused(self) -> None:
+        with pytest.raises(InputError, match="gains: of all channels together only ratios"):
+            fitted(row(), gains=["road", "chassis_acceleration", "tire_acceleration"])
         with pytest.raises(InputError, match="delays: of all channels together only differences"):
             fitted(row(), delays=["road", "chassis_acceleration", "tire_acceleration"])
         car = half_car(
@@ -178,10 +199,26 @@ class TestNoiseOfInputs:
         assert value(found, "tire_acceleration.delay") == pytest.approx(0.006, abs=2e-4)
         assert holds(found)
 
+    @pytest.mark.slow
+    def test_each_hides_the_other_and_both_are_found(self) -> None:
+        for seed in (1, 2, 3):
+            found = fitted(row(20.0, input_noise=0.02, sensor=(1.03, 0.003)), seed)
+            assert found.explains
+            assert value(found, "tire_acceleration.delay") == pytest.approx(0.003, abs=2e-4)
+            assert holds(found)
+
     def test_it_is_asked_for_where_it_applies(self) -> None:
         with pytest.raises(InputError, match=r"noisy: 'rode'.*'road'"):
             fitted(row(), noisy=["rode"])
         record = row().record(np.random.default_rng(1))
+        decay = as_response(record.time, record.outputs, record.output_labels)
+        with pytest.raises(InputError, match="noisy: the records have no known road or force"):
+            estimate(decay, QUARTER, noisy=["road"])
+        still = as_response(
+            record.time, record.outputs, record.output_labels, inputs={"road": np.zeros(record.time.size)}
+        )
+        with pytest.raises(InputError, match="noisy: 'road' of record 1 never change"):
+            estimate(still, QUARTER, given=["road"], noisy=["road"])
         with pytest.raises(InputError, match="noisy: the noise of measured motion is always allowed for"):
             estimate(record, QUARTER, given=["tire"], noisy=["tire_acceleration"])
 
