@@ -52,7 +52,8 @@ def with_needed(fit: Fit, problem: Problem, bare: Unknowns, asked: Names, free: 
 def fit_beside(trials: Sequence[Trial], bare: Unknowns, chosen: Names, asked: Names) -> tuple[Fit, Problem, Names]:
     """Return the fit with what was chosen, its problem, and what is left of what was chosen.
 
-    What looked like a mount is none where a rigid one does beside all that was added later, unless it was ``asked`` for.
+    What looked like a mount is none where a rigid one does beside all that was added later, unless
+    it was ``asked`` for.
 
     Raises
     ------
