@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from suspid import InputError, estimate, half_car
 from suspid.greybox.further import INPUTS
+from suspid.greybox.noisy_inputs import _score
 from suspid.greybox.problem import Problem
 from suspid.greybox.sensors_asked import further_asked
 from suspid.greybox.transfers import Physics, layout_of, shown_by_causes, transfer
@@ -111,7 +113,28 @@ class TestDelays:
         assert -value(late, "road.delay") == pytest.approx(value(other, "chassis_acceleration.delay"), abs=1e-8)
         np.testing.assert_allclose(late.values[:4], other.values[:4], rtol=1e-6)
 
+    @pytest.mark.parametrize("seed", [1, 2])
+    def test_channels_that_are_all_late_need_no_mount(self, seed: int) -> None:
+        record = row().record(np.random.default_rng(seed))
+        # Every channel shows what it does a step later; the beginning is no rest.
+        late = as_response(
+            record.time[:-1], record.outputs[:, :-1], record.output_labels, inputs={"road": record.inputs.ravel()[1:]}
+        )
+        found = estimate(late, QUARTER, given=["road"])
+        assert found.explains
+        assert {name for name in found.parameters if name.endswith(".relaxation")} == set()
+        assert value(found, "chassis_acceleration.delay") == pytest.approx(1 / 200, abs=6e-4)
+        assert holds(found)
+
+    def test_a_rigid_mount_differs_from_none_by_nothing(self) -> None:
+        for seed in (1, 2):
+            found = fitted(row(), seed, mounts=["chassis"])
+            assert found.interval(0.95)["chassis.relaxation"][0] == 0
+            assert "chassis.relaxation" not in found.beyond_chance()
+
     def test_what_cannot_be_told_is_refused(self) -> None:
+        with pytest.raises(InputError, match="gains: of all channels together only ratios"):
+            fitted(row(), gains=["road", "chassis_acceleration", "tire_acceleration"])
         with pytest.raises(InputError, match="delays: of all channels together only differences"):
             fitted(row(), delays=["road", "chassis_acceleration", "tire_acceleration"])
         car = half_car(
@@ -178,12 +201,51 @@ class TestNoiseOfInputs:
         assert value(found, "tire_acceleration.delay") == pytest.approx(0.006, abs=2e-4)
         assert holds(found)
 
+    @pytest.mark.slow
+    def test_noise_that_a_late_channel_hides_is_found(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("suspid.greybox.fitted_in_time.noise_told", lambda *_: False)
+        found = fitted(row(20.0, input_noise=0.05, sensor=(1.05, 0.006)))
+        assert found.explains
+        assert value(found, "tire_acceleration.delay") == pytest.approx(0.006, abs=2e-4)
+        assert holds(found)
+
     def test_it_is_asked_for_where_it_applies(self) -> None:
         with pytest.raises(InputError, match=r"noisy: 'rode'.*'road'"):
             fitted(row(), noisy=["rode"])
         record = row().record(np.random.default_rng(1))
+        decay = as_response(record.time, record.outputs, record.output_labels)
+        with pytest.raises(InputError, match="noisy: the records have no known road or force"):
+            estimate(decay, QUARTER, noisy=["road"])
+        still = as_response(
+            record.time, record.outputs, record.output_labels, inputs={"road": np.zeros(record.time.size)}
+        )
+        with pytest.raises(InputError, match="noisy: 'road' of record 1 never change"):
+            estimate(still, QUARTER, given=["road"], noisy=["road"])
         with pytest.raises(InputError, match="noisy: the noise of measured motion is always allowed for"):
             estimate(record, QUARTER, given=["tire"], noisy=["tire_acceleration"])
+
+    def test_the_score_of_its_level_has_its_mean_and_variance(self) -> None:
+        # Of errors S + q T T^H the score has the mean q times its variance; wrong levels of the outputs do not move it.
+        rng, std, level, draws = np.random.default_rng(1), np.array([0.5, 2.0]), 0.05, 1500
+        T = (rng.standard_normal((60, 2, 1)) + 1j * rng.standard_normal((60, 2, 1))) * np.linspace(0.3, 2, 60)[
+            :, None, None
+        ]
+
+        def normal(*shape: int) -> Any:
+            return (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
+
+        size = np.mean(np.sum(np.abs(T[:, :, 0] / std) ** 2, axis=1))
+        for q, off in ((0.0, 1.0), (level, 1.0), (0.0, 1.1)):
+            scores = []
+            for _ in range(draws):
+                left = off * std * normal(60, 4, 2) + np.sqrt(q) * normal(60, 4, 1) * T[:, None, :, 0]
+                w: Any = SimpleNamespace(transfer=SimpleNamespace(T=T), left=left)
+                score, variance = _score(w, std, 0)
+                scores.append(score)
+            error = np.sqrt(variance / draws)
+            assert np.mean(scores) == pytest.approx(q * size * variance, abs=6 * error)
+            if not q:
+                assert np.var(scores) == pytest.approx(off**4 * variance, rel=0.2)
 
 
 def _physics(p: Any) -> Physics:

@@ -121,6 +121,8 @@ def fitted_car(
     still = () if asked.road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
     own = of_car(u)
     ranges = np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
+    # The least relaxation stands for none: intervals that reach it contain a rigid mount.
+    ranges[[name.endswith(".relaxation") for name in parameters], 0] = 0.0
     unbounded = values if fit.pull is None else values + turned @ fit.pull
     apart = changed(suspension, Spread(parameters, values, covariance, unbounded, ranges, fit.explains))
     said = [one.remark.numbers["names"] for one in fit.checks if one.remark.code is EstimateCheck.TIRE_DAMPING]

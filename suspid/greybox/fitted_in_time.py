@@ -7,18 +7,22 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-from suspid.errors import EstimationError
+import numpy as np
+
+from suspid.errors import EstimationError, InputError
 from suspid.greybox.fits import Fit
 from suspid.greybox.further import SENSOR_KINDS, chosen_of
 from suspid.greybox.noisy_inputs import noise_told, with_noise_of_inputs
 from suspid.greybox.onset import from_onset
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.sensors_asked import Names, clearly_late, further_asked, with_sensors
-from suspid.greybox.sensors_needed import leaves_something, said_so, with_needed
+from suspid.greybox.sensors_needed import fit_beside, leaves_something, said_so, with_needed
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial
 from suspid.reconstruction import Unknowns
 from suspid.units import Hertz, Second
+from suspid.values import listed
+from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
@@ -62,7 +66,7 @@ def fitted_in_time(
     chosen, free = asked.chosen, asked.free
     unknowns, cut = further_asked(bare, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
     known = tuple(dict.fromkeys(name for trial in trials for name in trial.known))
-    if chosen_of("noisy", asked.noisy, known, ()):
+    if _are_noisy(asked.noisy, known, trials):
         found = with_noise_of_inputs(trials, bare, chosen, free, band=asked.band, stretch=asked.stretch, demanded=True)
         assert found is not None
         return *found[:2], bare
@@ -76,13 +80,37 @@ def fitted_in_time(
                 return said_so(fit, problem, unknowns), problem.trials, problem.unknowns
     fit, cut = _with_onsets(cut, unknowns, onsets=onsets and not known)
     problem = Problem(trials=cut, holds=fit.holds, unknowns=unknowns)
-    may_be_noisy = asked.noisy is None and all(len(trial.inputs) for trial in trials)
-    if may_be_noisy and leaves_something(fit) and noise_told(trials, bare, chosen, unknowns, fit):
-        noisy = _with_noise(trials, bare, unknowns, chosen, free)
-        if noisy is not None:
-            return noisy
-    fit, problem = with_needed(fit, problem, bare, chosen, free)
-    return fit, problem.trials, problem.unknowns
+    may_be_noisy = asked.noisy is None and all(map(_moved, trials)) and leaves_something(fit)
+    told = may_be_noisy and noise_told(trials, bare, chosen, unknowns, fit)
+    noisy = _with_noise(trials, bare, unknowns, chosen, free) if told else None
+    if noisy is None:
+        fit, problem = with_needed(fit, problem, bare, chosen, free)
+        # What a late channel leaves of a fit hides the noise of a road, which hides the late channel from this fit.
+        if may_be_noisy and free and not told and not fit.explains:
+            noisy = _with_noise(trials, bare, unknowns, chosen, free)
+    return (fit, problem.trials, problem.unknowns) if noisy is None else noisy
+
+
+def _are_noisy(names: Sequence[str] | None, known: Sequence[str], trials: Sequence[Trial]) -> bool:
+    """Return whether noise of known roads and forces is asked for, after checking that there is one."""
+    if names and not known:
+        raise InputError(
+            Argument("noisy"), ": the records have no known road or force whose noise this could be; name it in ",
+            Argument("given"),
+        )  # fmt: skip
+    asked = bool(chosen_of("noisy", names, known, ()))
+    still = [number for number, trial in enumerate(trials, 1) if not _moved(trial)]
+    if asked and still:
+        raise InputError(
+            Argument("noisy"), f": {listed(list(trials[still[0] - 1].known))} of record {still[0]} never change, or "
+            "there is none: noise of a cause is told beside its motion; leave it out",
+        )  # fmt: skip
+    return asked
+
+
+def _moved(trial: Trial) -> bool:
+    """Return whether all known roads and forces of a test change, and there is one."""
+    return len(trial.inputs) > 0 and bool(np.all(np.ptp(trial.inputs, axis=1) > 0))
 
 
 def _with_noise(
@@ -92,12 +120,10 @@ def _with_noise(
     found = with_noise_of_inputs(trials, bare, chosen, free)
     if found is None or found[2] == chosen:
         return None if found is None else (*found[:2], bare)
-    unknowns, cut = with_sensors(bare, trials, **found[2])
-    problem = Problem(trials=cut, holds=default_holds(cut), unknowns=unknowns)
     with suppress(EstimationError):
-        fit = fit_in_time(problem)
-        if fit.explains and not noise_told(trials, bare, found[2], unknowns, fit):
-            return said_so(fit, problem, before), cut, unknowns
+        fit, problem, left = fit_beside(trials, bare, found[2], chosen)
+        if fit.explains and not noise_told(trials, bare, left, problem.unknowns, fit):
+            return said_so(fit, problem, before), problem.trials, problem.unknowns
     return *found[:2], bare
 
 

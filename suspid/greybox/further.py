@@ -152,17 +152,18 @@ def chosen_of(
     return chosen
 
 
-def check_delays(delays: Sequence[str], channels: Sequence[str]) -> None:
-    """Refuse delays of all channels.
+def check_some_known(argument: str, names: Sequence[str], channels: Sequence[str]) -> None:
+    """Refuse gains or delays of all channels.
 
     Raises
     ------
     InputError
-        If no channel is left that the others can be late by.
+        If no channel is left that the others can be compared with.
     """
-    if set(channels) <= set(delays):
+    if set(channels) <= set(names):
+        told = "ratios" if argument == "gains" else "differences"
         raise InputError(
-            Argument("delays"), ": of all channels together only differences can be found; leave one of them out"
+            Argument(argument), f": of all channels together only {told} can be found; leave one of them out"
         )
 
 

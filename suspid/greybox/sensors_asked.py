@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.greybox.clocks import Clocks, clocks_of
-from suspid.greybox.further import INPUTS, Place, check_delays, chosen_of, label, sensing_of, with_further
+from suspid.greybox.further import INPUTS, Place, check_some_known, chosen_of, label, sensing_of, with_further
 from suspid.greybox.responses import output_error
 from suspid.greybox.trials import HOLDS, Trial
 from suspid.greybox.wheel_problem import band_of
@@ -41,8 +41,8 @@ def further_asked(
     high, late = chosen_of("gains", gains, channels, ()), chosen_of("delays", delays, channels, ())
     for argument, names in (("gains", high), ("delays", late)):
         _check_inputs(argument, names, trials)
-    for trial in trials:
-        check_delays(late, (*trial.channels, *trial.known))
+        for trial in trials:
+            check_some_known(argument, names, (*trial.channels, *trial.known))
     return with_sensors(unknowns, trials, gains=high, delays=late, mounts=chosen_of("mounts", mounts, damped, ()))
 
 

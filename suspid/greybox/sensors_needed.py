@@ -17,7 +17,7 @@ from suspid.greybox.search import descended
 from suspid.greybox.sensors_asked import Names, possible, with_sensors
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import Trial
-from suspid.levels import likely
+from suspid.levels import LEVEL, likely, normal_reach
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray
 from suspid.words import Check, Level, Remark
@@ -42,12 +42,37 @@ def with_needed(fit: Fit, problem: Problem, bare: Unknowns, asked: Names, free: 
         chosen = _needed(fit, replace(problem, holds=holds), bare, asked, free)
         if chosen == asked:
             continue
-        wider = replace(_problem(problem, bare, chosen), holds=default)
         with suppress(EstimationError):
-            found = fit_in_time(wider)
+            found, wider, _ = fit_beside(problem.trials, bare, chosen, asked)
             if found.explains:
                 return said_so(found, wider, problem.unknowns), wider
     return fit, problem
+
+
+def fit_beside(trials: Sequence[Trial], bare: Unknowns, chosen: Names, asked: Names) -> tuple[Fit, Problem, Names]:
+    """Return the fit with what was chosen, its problem, and what is left of what was chosen.
+
+    What looked like a mount is none where a rigid one does beside all that was added later, unless
+    it was ``asked`` for.
+
+    Raises
+    ------
+    EstimationError
+        If the records do not determine it.
+    """
+    unknowns, cut = with_sensors(bare, [trial.whole for trial in trials], **chosen)
+    problem = Problem(trials=cut, holds=default_holds(cut), unknowns=unknowns)
+    fit = fit_in_time(problem)
+    least = unknowns.lower + normal_reach(LEVEL) * np.sqrt(np.diag(fit.covariance))
+    soft = dict(zip(unknowns.labels, (fit.x > least).tolist(), strict=True))
+    kept = tuple(one for one in chosen["mounts"] if one in asked["mounts"] or soft[f"{one}.relaxation"])
+    if not fit.explains or kept == chosen["mounts"]:
+        return fit, problem, chosen
+    with suppress(EstimationError):
+        fewer = fit_beside(trials, bare, {**chosen, "mounts": kept}, asked)
+        if fewer[0].explains:
+            return fewer
+    return fit, problem, chosen
 
 
 def leaves_something(fit: Fit) -> bool:

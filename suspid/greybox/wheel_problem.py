@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.cleaning import DRIFT
-from suspid.greybox.further import FIRST_RELAXATION, GAINS, TIMES, check_delays, chosen_of, label
+from suspid.greybox.further import FIRST_RELAXATION, GAINS, TIMES, check_some_known, chosen_of, label
 from suspid.greybox.measured_causes import Extras, Source, WheelProblem
 from suspid.greybox.noise_levels import node_basis
 from suspid.greybox.spectra import spectra_of
@@ -45,7 +45,7 @@ def wheel_problem(
         layout = layout_of(car, trial)
         # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
         causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
-        check_delays(delays or (), trial.channels)
+        check_some_known("delays", delays or (), trial.channels)
         length = STRETCH_PERIODS / lowest if stretch is None else stretch
         spectra = spectra_of([trials[i] for i in numbers], length=length, band=limits)
         sources.append(
