@@ -343,6 +343,7 @@ class TestFourWheels:
 
 
 class TestDrives:
+    @pytest.mark.slow
     def test_a_recording_of_a_drive(self, tmp_path: Path) -> None:
         """`suspid drive` finds what `estimate` finds; without a speed it says that nothing follows from the track."""
         record, speed = drive()
