@@ -14,7 +14,7 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear import beginnings
 from suspid.identification.nonlinear.beginnings import begun, stops_soon
 from suspid.identification.nonlinear.descent import fitted
-from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
+from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of, with_friction
@@ -50,6 +50,17 @@ def structure(rig: Rig, held: Real, step: float) -> Structures:
         forces=tuple(Force(kind=ForceKind.FRICTION, channel=c, other=None) for c in range(count)),
         scales=np.ones(count),
     )
+
+
+def test_a_pole_next_to_the_real_axis_has_no_amplitude_without_bound() -> None:
+    """The sine of 1e-160 rad a sample is nothing: what is left of a decay would be 1e160 of it."""
+    noise, values = WhiteNoise(least=np.zeros(1)), np.exp(-0.05 * np.arange(100.0))[None] + 0.01
+    for turn, found in ((1e-160, False), (1e-2, True)):
+        drive = Drive(
+            theta=np.array([-0.05 + 1j * turn]), gains=np.zeros((1, 0), complex), forces=np.zeros((0, 100)),
+            nuisances=np.zeros(1),
+        )  # fmt: skip
+        assert (evaluate(values, drive, noise) is not None) is found
 
 
 class TestMotion:

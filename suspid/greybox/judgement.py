@@ -19,8 +19,8 @@ NEXT_TO_LEAST = 1.01
 MOST_GAIN = 2.0  # no sensor is off by such a factor, but units are
 # Sensors of motion are calibrated to some percent; a tenth is more than mounting and temperature do.
 MOST_MISCALIBRATED = 0.1
-# Share of the relaxation of a mount by which a delay may differ from it where both are one thing, folded motion: that
-# of potholes with edges of 20 ms at 200 Hz differs by 1 %, measured; real ones do by any amount.
+# Share of the relaxation of a mount by which a delay may differ from it where both are one thing, folded motion: steep
+# edges make them alike to a few percent; real ones differ by any amount.
 CANCELLED = 0.1
 # Springs are within a factor of 2 of what anyone expects; units (ft, lbf, g, in, mm) are off by more than 3.
 MOST_CHANGE = 3.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 from suspid.errors import RecordError
 from suspid.io.names import bare_name, is_time
@@ -70,7 +71,7 @@ class Table:
         return name
 
 
-def held(table: Table) -> Table:
+def all_at_once(table: Table) -> Table:
     """Return a table whose columns are all read with the first of them, if they are nearly free then.
 
     Examples
@@ -78,7 +79,7 @@ def held(table: Table) -> Table:
     >>> import numpy as np
     >>> asked: list[object] = []
     >>> table = Table(sizes={"t": 2, "seat": 2}, columns=lambda names: asked.append(names) or [np.ones(2)] * len(names))
-    >>> once = held(replace(table, read_at_once=True))
+    >>> once = all_at_once(replace(table, read_at_once=True))
     >>> for names in (["t"], ["t", "seat"]):
     ...     _ = once.columns(names)
     >>> asked
@@ -86,15 +87,17 @@ def held(table: Table) -> Table:
     """
     if not table.read_at_once:
         return table
-    read = dict[str, RealArray]()
+
+    @cache
+    def every() -> dict[str, RealArray] | None:
+        try:
+            return dict(zip(table.sizes, table.columns(list(table.sizes)), strict=True))
+        except RecordError:
+            # A column that nobody wants may hold what is no number.
+            return None
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
-        if not read:
-            try:
-                read.update(zip(table.sizes, table.columns(list(table.sizes)), strict=True))
-            except RecordError:
-                # A column that nobody wants may hold what is no number.
-                return table.columns(wanted)
-        return [read[name] for name in wanted]
+        read = every()
+        return table.columns(wanted) if read is None else [read[name] for name in wanted]
 
     return replace(table, columns=columns)

@@ -21,7 +21,7 @@ from suspid.io.names import (
 from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
-from suspid.io.tables import Table, TimeBase, held
+from suspid.io.tables import Table, TimeBase, all_at_once
 from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, too_fine, unit_remark
 from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
@@ -57,7 +57,7 @@ def as_recording(
     """
     check_rate(fs)
     _check_names(channels, time)
-    table = metered(table if channels else held(table), size)
+    table = metered(table if channels else all_at_once(table), size)
     plan = plan_of(table, channels, time, fs)
     followers = plan.followers
     times = [plan.time] if plan.time is not None and followers else []

@@ -18,6 +18,9 @@ from suspid.identification.poles import MOST_GROWTH
 from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.units import ComplexArray, RealArray
 
+# States of motion that began with 1 stay below this, and amplitudes of motion as well: their squares must not overflow.
+LARGEST_STATE = 1e50
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Drive:
@@ -201,11 +204,11 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     if drive.through:
         columns = np.column_stack([columns, drive.forces.T])
     # A step that lets a state grow without bound is none.
-    # States of motion that began with 1 stay below this; their squares must not overflow.
-    if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < 1e50:
+    if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < LARGEST_STATE:
         return None
+    # Nor is one to a pole so near the real axis that its amplitude does.
     norms = np.linalg.norm(columns, axis=0)
-    if len(columns) < columns.shape[1] or not np.all(norms > 0):
+    if len(columns) < columns.shape[1] or not np.all(norms > 1 / LARGEST_STATE):
         return None
     basis, triangle = np.linalg.qr(columns / norms)
     # Least pivot of the columns of unit norm: below it they are dependent.

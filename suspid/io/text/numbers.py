@@ -24,7 +24,7 @@ WORTH_IMPORT, WORTH_ARROW = 1 << 21, 1 << 13
 def loaded_piece(piece: bytes, count: int, use: Sequence[int], layout: Layout, *, size: int) -> RealArray | None:
     """Return the numbers of some columns of the ``count`` rows of a piece, (column, row); None if a cell is refused.
 
-    pyarrow takes a fifth of the time of numpy, where it is installed; ``size`` is that of the whole text [bytes].
+    pyarrow is the faster of the two, where it is installed; ``size`` is that of the whole text [bytes].
     """
     values = None
     here = size >= WORTH_IMPORT or "pyarrow" in sys.modules
