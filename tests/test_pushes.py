@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import analyse, as_record, identify
+from suspid import Level, Settings, analyse, as_record, identify
 from suspid.analysis.far_larger import far_larger
-from suspid.analysis.fewer_channels import multiples_alone
+from suspid.analysis.fewer_channels import multiples_alone, with_fewer_channels
 from suspid.analysis.used import Used
 from suspid.model import ModalSet
 from suspid.records import as_response, cut
@@ -58,6 +58,24 @@ class TestChannelsLeftOut:
     )
     def test_multiples_of_a_mode_that_others_show_are_none(self, fewer: tuple[float, ...], alone: bool) -> None:
         assert multiples_alone(ringing(6.0, 12.0), ringing(*fewer)) == alone
+
+
+@pytest.mark.parametrize(("multiple", "used"), [(2.0, False), (1.6, True)])
+def test_a_channel_that_shows_a_multiple_alone_is_not_kept_alone(multiple: float, used: bool) -> None:
+    """Two channels of a heavy, doubtful decay; alone, one shows a clear one at another frequency."""
+    time, rng = np.arange(600) / 200, np.random.default_rng(3)
+
+    def ring(wn: float, zeta: float, shape: tuple[float, ...]) -> Used:
+        values = np.outer(shape, np.exp(-zeta * wn * time) * np.cos(wn * np.sqrt(1 - zeta**2) * time))
+        record = as_response(time, values + 0.03 * rng.standard_normal(values.shape), ["x", "y"][: len(shape)])
+        return Used(record=record, decays=(), used=(), notes=(), identification=identify(record))
+
+    both = ring(3 * np.pi, 0.5, (1.0, 0.7))
+    assert both.identification is not None
+    assert both.identification.verdict.level is Level.DOUBTFUL
+    alone = ring(multiple * float(both.identification.modes.wn[0]), 0.02, (1.0,))
+    kept = with_fewer_channels(both.record, both, Settings(), lambda *_: alone)
+    assert (len(kept.record.output_labels) == 1) is used
 
 
 def tower(seed: int) -> RealArray:

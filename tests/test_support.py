@@ -126,6 +126,16 @@ class TestWholeRecords:
         whole = replace(stretch(found, (), (), *notes), record=record)
         assert bool(len(supported(found, whole, Settings()).modes)) is kept
 
+    @pytest.mark.parametrize(("second", "kept"), [((1.0, 0.7), False), ((1.0, -0.7), True)])
+    def test_modes_of_one_shape_need_support(self, second: tuple[float, float], kept: bool) -> None:
+        """A force in one place moves all channels alike, whatever its course; modes of a structure have own shapes."""
+        time, values = np.arange(600) / 200, 0.03 * np.random.default_rng(3).standard_normal((2, 600))
+        for shape, wn in (((1.0, 0.7), 2 * np.pi * HERTZ), (second, 8 * np.pi)):
+            values += np.outer(shape, np.exp(-0.5 * wn * time) * np.cos(wn * np.sqrt(0.75) * time))
+        found = identify(as_response(time, values, ["seat", "chassis"]))
+        assert (len(found.modes), found.verdict.level) == (2, Level.DOUBTFUL)
+        assert bool(len(supported(found, stretch(found, (), ()), Settings()).modes)) is kept
+
 
 @pytest.mark.parametrize(
     ("kind", "seed"),
