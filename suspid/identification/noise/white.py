@@ -36,6 +36,20 @@ class WhiteNoise:
         """Return minus twice the log likelihood less a constant: ``n sum_c log variance_c`` at the best variance."""
         return float(count * np.log(self.variance(squares, count)).sum())
 
+    def cost(self, squares: RealArray, count: int) -> float:
+        """Return what a fit makes least: the loss, and below the least variance, where it is flat, the squares.
+
+        Minus twice the log likelihood of channels of which the least variance is known, less a constant.
+
+        Examples
+        --------
+        >>> noise = WhiteNoise(least=np.ones(1))
+        >>> [round(noise.cost(np.array([squares]), 10), 3) for squares in (20.0, 10.0, 5.0)]
+        [6.931, 0.0, -5.0]
+        """
+        below = np.minimum(squares / (self.least * count), 1.0) - 1.0
+        return self.loss(squares, count) + float(count * below.sum())
+
     def at_least(self, variance: RealArray) -> WhiteNoise:
         """Return the noise with the least variance of each channel raised to a given one."""
         return WhiteNoise(least=np.maximum(self.least, variance))

@@ -123,6 +123,11 @@ class DrivenFit:
         """Minus twice the log likelihood less a constant."""
         return self.noise.loss(self.squares, self.residual.shape[1])
 
+    @cached_property
+    def cost(self) -> float:
+        """What steps make less: the loss, and below the least variance the squares."""
+        return self.noise.cost(self.squares, self.residual.shape[1])
+
     @property
     def bic(self) -> float:
         """Loss and ``log(samples)`` for each parameter."""
@@ -269,7 +274,7 @@ def maximize(values: RealArray, start: Drive, noise: WhiteNoise, *, steps: int) 
             if float(step @ fit.gradient) < NEGLIGIBLE_GAIN:
                 return fit
             trial = evaluate(values, fit.drive.moved(step), noise)
-            if trial is not None and trial.loss < fit.loss:
+            if trial is not None and trial.cost < fit.cost:
                 better = trial
                 break
             damping = max(10 * damping, 1e-4)

@@ -76,17 +76,23 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     state = state[: int(gone[0])] if gone.size else state
     if len(state) < 3:
         return None
-    speed = np.real(amplitude * fit.drive.theta[pole] * state)
-    times = _turns(speed, most=min(MISSED, MISSED_SHARE * np.pi / float(fit.drive.theta[pole].imag)))
+    theta = complex(fit.drive.theta[pole])
+    most = min(MISSED, MISSED_SHARE * np.pi / theta.imag)
+    more = int(np.ceil(most))
+    first = window.indices(fit.states.shape[1])[0]
+    push = fit.drive.gains[pole] @ fit.drive.forces[:, [first, first + len(state) - 1]]
+    state = _prolonged(state, theta, push, more)
+    times = _turns(np.real(amplitude * theta * state)) - more
+    times = times[(times > -most) & (times < len(state) - 2 * more - 1 + most)]
     if len(times) < 3:
         return None
-    inside = np.clip(times, 0, len(state) - 1)
-    at = np.minimum(inside.astype(int), len(state) - 2)
+    slopes = fit.slopes[own][:, window][:, : len(state) - 2 * more]
+    slopes = np.pad(slopes, ((0, 0), (more, more)), mode="edge")
+    at = np.minimum((times + more).astype(int), len(state) - 2)
     logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
-    rows = np.vstack([logs, fit.slopes[own][:, window][:, : len(state)] / state])
-    rows = rows[:, at] + (inside - at) * (rows[:, at + 1] - rows[:, at])
-    # Outside, the speed falls to 0 along a straight line.
-    positions = np.real(amplitude * np.exp(rows[0])) + 0.5 * (times - inside) * speed[np.rint(inside).astype(int)]
+    rows = np.vstack([logs, slopes / state])
+    rows = rows[:, at] + (times + more - at) * (rows[:, at + 1] - rows[:, at])
+    positions = np.real(amplitude * np.exp(rows[0]))
     size = 0.5 * np.abs(np.diff(positions))
     # What is lost in the noise was not met.
     lost = np.flatnonzero(size <= SURE * np.sqrt(fit.variance[strongest]))
@@ -96,21 +102,31 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     return Swings(time=times[:seen], size=size[:seen], slopes=rows[1:, :seen], own=own, free=fit.drive.free)
 
 
-def _turns(speed: RealArray, *, most: float) -> RealArray:
-    """Return where a speed passes through 0, in samples, also up to ``most`` before and after the record.
+def _prolonged(state: ComplexArray, theta: complex, push: ComplexArray, more: int) -> ComplexArray:
+    """Return a state with some samples more at both ends, where the first and last of what pushes it go on.
 
     Examples
     --------
-    >>> _turns(np.array([0.9, 2.0, 1.0, -1.0, -2.0]), most=1.0)
-    array([-0.81818182,  2.5       ])
+    >>> state = np.exp(0.1j * np.arange(3))
+    >>> np.angle(_prolonged(state, 0.1j, np.zeros(2), 1)).round(12).tolist()
+    [-0.1, 0.0, 0.1, 0.2, 0.3]
+    """
+    steps = theta * np.arange(1, more + 1)
+    before = np.exp(-steps) * state[0] + push[0] * np.expm1(-steps) / theta
+    after = np.exp(steps) * state[-1] + push[1] * np.expm1(steps) / theta
+    return np.concatenate([before[::-1], state, after])
+
+
+def _turns(speed: RealArray) -> RealArray:
+    """Return where a speed passes through 0, in samples.
+
+    Examples
+    --------
+    >>> _turns(np.array([2.0, 1.0, -1.0, -2.0]))
+    array([1.5])
     """
     passed = np.flatnonzero((speed[:-1] > 0) != (speed[1:] > 0))
-    inside = passed + speed[passed] / (speed[passed] - speed[passed + 1])
-    rises = np.array([speed[1] - speed[0], speed[-1] - speed[-2]])
-    ends = np.array([0.0, len(speed) - 1]) - speed[[0, -1]] / np.where(rises == 0, np.nan, rises)
-    missed = np.array([-ends[0], ends[1] - (len(speed) - 1)])
-    near = (missed > 0) & (missed < most)
-    return np.concatenate([ends[:1][near[:1]], inside, ends[1:][near[1:]]])
+    return np.asarray(passed + speed[passed] / (speed[passed] - speed[passed + 1]))
 
 
 def cuts_of(envelope: RealArray, *, least: int) -> list[int]:
