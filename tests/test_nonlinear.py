@@ -16,7 +16,9 @@ from scipy.integrate import solve_ivp
 
 from suspid import add_noise, free_decay, identify, plot_amplitude, quarter_car
 from suspid.identification import ForceKind, Identification, identification_to_dict
-from suspid.identification.nonlinear.swings import Swings
+from suspid.identification.noise import noise_of
+from suspid.identification.nonlinear.driven import Drive, evaluate
+from suspid.identification.nonlinear.swings import Swings, swings_of
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
 from validation.friction import Rig, release, released
@@ -43,6 +45,18 @@ def integrated(time: Real, force: Callable[[float, float], float], start: float 
 
     out = solve_ivp(rate, (0, time[-1]), [start, 0.0], t_eval=time, rtol=1e-10, atol=1e-12)
     return np.asarray(out.y[0], float)
+
+
+def from_bilinear_damper(time: Real, zetas: tuple[float, float], wn: float) -> Real:
+    """Return the motion from 1 on of a mass with a damping ratio while it falls and another while it rises: exact."""
+    out, begun, size = np.empty_like(time), 0.0, 1.0
+    for zeta in [*zetas] * int(time[-1] * wn):
+        turned = np.sqrt(1 - zeta**2)
+        since = wn * (time - begun)
+        swing = np.cos(turned * since) + zeta / turned * np.sin(turned * since)
+        out = np.where(since >= 0, size * np.exp(-zeta * np.maximum(since, 0.0)) * swing, out)
+        begun, size = begun + np.pi / (wn * turned), -size * np.exp(-zeta * np.pi / turned)
+    return np.asarray(out)
 
 
 def kinds(found: Identification) -> set[ForceKind]:
@@ -157,6 +171,41 @@ class TestSwings:
         for own, step in enumerate(1e-6 * np.eye(2)):
             difference = (mean(step) - mean(-step)) / 2e-6
             assert complex(*by[:, own]) == pytest.approx(difference, rel=1e-6)
+
+    @pytest.mark.parametrize("missed", [0.4, 2.6])
+    def test_a_turn_just_before_the_record_is_where_the_motion_turned(self, missed: float) -> None:
+        theta = 0.1 * (-0.03 + 1j * np.sqrt(1 - 0.03**2))
+        # The speed, which is that of theta times the state, is 0 at -missed.
+        turned = 1j * np.exp(theta * missed) / theta
+        values = np.real(turned * np.exp(theta * np.arange(200)))[None]
+        drive = Drive(
+            theta=np.array([theta]),
+            gains=np.zeros((1, 0), complex),
+            forces=np.zeros((0, 200)),
+            nuisances=np.zeros(0),
+        )
+        fit = evaluate(values, drive, noise_of(values))
+        assert fit is not None
+        swings = swings_of(fit, 0)
+        assert swings is not None
+        assert swings.time[0] == pytest.approx(-missed, abs=2e-3)
+        np.testing.assert_allclose(np.diff(np.log(swings.size)), -0.03 * np.pi / np.sqrt(1 - 0.03**2), rtol=2e-3)
+
+
+class TestRounded:
+    def test_steps_of_an_encoder_leave_no_bias(self) -> None:
+        """An optimum at which the residual is less than rounding leaves on average is still an optimum."""
+        time, zetas, wn = np.arange(0, 2, 0.005), (0.0137, 0.0411), 2 * np.pi * 6.77
+        decrement = np.mean([zeta / np.sqrt(1 - zeta**2) for zeta in zetas])
+        step, errors = 0.0022, []
+        for seed in range(10, 16):
+            rng = np.random.default_rng(seed)
+            values = from_bilinear_damper(time + 0.01 * rng.uniform(), zetas, wn)
+            modes = identify(response(time, step * np.round(values / step + rng.uniform(-0.5, 0.5)))).modes
+            assert modes.zeta_std is not None
+            errors.append((modes.zeta[0] - decrement / np.hypot(1, decrement)) / modes.zeta_std[0])
+        # The mean square of six standard normal variables is below 2.8 with probability .99.
+        assert np.mean(np.square(errors)) < 2.8
 
 
 class TestLinear:

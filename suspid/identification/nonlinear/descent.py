@@ -112,5 +112,6 @@ def _possible(structures: Structures, before: StructureFit) -> bool:
 
 
 def _cost(fit: StructureFit) -> float:
-    cost = fit.record.noise.cost(fit.squares, fit.residual.shape[1]) + float(np.sum((jumps_of(fit.structures) / least_jumps(fit.structures)) ** 2))
+    jumps = float(np.sum((jumps_of(fit.structures) / least_jumps(fit.structures)) ** 2))
+    cost = fit.record.noise.cost(fit.squares, fit.residual.shape[1]) + jumps
     return cost if np.isfinite(cost) else np.inf
