@@ -29,8 +29,9 @@ from suspid.words import Level
 FIRST_SEED = 910_000
 # Share of the speed and of the friction below which a mass is at rest: event after event at one time is rounding.
 SLACK = 1e-9
-# Turns that near to the ends of a stretch are within it [s]: some samples.
-LATE = 0.005
+# A turn is the end of a stretch that misses it by this many samples, and by this share of a swing, at most: the
+# last before a dead stop.
+LATE, LATE_SHARE = 3.0, 0.1
 # Files of each kind and number of masses.
 SEEDS = int(os.environ.get("SUSPID_SEEDS", "100"))
 KINDS = ("friction", "bilinear", "cubic")
@@ -158,6 +159,12 @@ class Release:
     stop: Second
     step: float
 
+    @property
+    def late(self) -> Second:
+        """By how much a turn may lie outside of a stretch of which it is an end."""
+        step = float(self.stamps[-1] - self.stamps[0]) / (len(self.stamps) - 1)
+        return min(LATE * step, LATE_SHARE * np.pi / float(self.rig.wn[0]))
+
 
 def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, RealArray]:
     """Return a rig of a kind and where it is held before the release [m]."""
@@ -236,7 +243,7 @@ def equivalent(record: Release, start: Second, stop: Second) -> tuple[RealArray,
     amplitude half the way from turn to turn. Of an equal pair of turns (a dead stop) none is used.
     """
     time, x = record.turns[0].T
-    inside = (time >= start - LATE) & (time <= stop + LATE)
+    inside = (time >= start - record.late) & (time <= stop + record.late)
     time, x = time[inside], x[inside]
     swing = 0.5 * np.abs(np.diff(x))
     first, last = swing[:-2], swing[2:]
@@ -282,7 +289,7 @@ def equivalent_modes(
     stiffness, damping = shapes.T @ stiff @ shapes, shapes.T @ damp @ shapes
     q, p = shapes.T @ mass @ moved.position, shapes.T @ mass @ moved.velocity
     sizes = np.sqrt(q**2 + (p / wn[:, None]) ** 2)
-    inside = np.flatnonzero((moved.time >= start - LATE) & (moved.time <= stop + LATE))
+    inside = np.flatnonzero((moved.time >= start) & (moved.time <= stop))
     cycles = max(1, round((moved.time[inside[-1]] - moved.time[inside[0]]) * float(rig.wn[0]) / (2 * np.pi)))
     found, weights = [], []
     for part in np.array_split(inside, cycles):
@@ -348,8 +355,8 @@ def judged(record: Release, found: Analysis) -> Outcome:
     else:
         moved = record.motion
         wn, zeta = equivalent_modes(
-            record.rig, moved, start / record.pace - record.start / record.pace,
-            stop / record.pace - record.start / record.pace, seen=record.step,
+            record.rig, moved, (start - record.late - record.start) / record.pace,
+            (stop + record.late - record.start) / record.pace, seen=record.step,
         )  # fmt: skip
         wn, kept = wn / record.pace, list(range(len(truth)))
     off = np.array([modes.wn[kept] - wn, modes.zeta[kept] - zeta])
