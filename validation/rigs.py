@@ -29,9 +29,9 @@ from suspid.words import Level
 FIRST_SEED = 910_000
 # Share of the speed and of the friction below which a mass is at rest: event after event at one time is rounding.
 SLACK = 1e-9
-# A turn is the end of a stretch that misses it by this many samples, and by this share of a swing, at most: the
-# last before a dead stop.
-LATE, LATE_SHARE = 3.0, 0.1
+# A turn is the end of a stretch that misses it by less than this share of a swing: stretches end at turns, or at a dead
+# stop.
+LATE = 0.1
 # Files of each kind and number of masses.
 SEEDS = int(os.environ.get("SUSPID_SEEDS", "100"))
 KINDS = ("friction", "bilinear", "cubic")
@@ -162,8 +162,7 @@ class Release:
     @property
     def late(self) -> Second:
         """By how much a turn may lie outside of a stretch of which it is an end."""
-        step = float(self.stamps[-1] - self.stamps[0]) / (len(self.stamps) - 1)
-        return min(LATE * step, LATE_SHARE * np.pi / float(self.rig.wn[0]))
+        return LATE * np.pi / float(self.rig.wn[0])
 
 
 def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, RealArray]:
@@ -259,7 +258,8 @@ def equivalent(record: Release, start: Second, stop: Second) -> tuple[RealArray,
 class Outcome:
     """What the first command says of one file, beside the truth.
 
-    The truth is the mean over the cycles of the stretch that was used.
+    The truth is the mean over the cycles of the stretch that was used; of one mass that depends on its amplitude, over
+    those of the swings for which the result states it.
     """
 
     right: bool  # as many modes as masses
@@ -347,6 +347,9 @@ def judged(record: Release, found: Analysis) -> Outcome:
     used = found.identification.response.time
     start, stop = float(used[0]), min(float(used[-1]), record.stop)
     if len(truth) == 1:
+        # From the first turn that the result states to the end of the swing that begins at the last.
+        for each in found.identification.amplitude_dependence:
+            start, stop = each.spans[0][0], each.spans[-1][1] + np.pi / float(record.rig.wn[0])
         _, by_cycle, zetas = equivalent(record, start, stop)
         if not len(by_cycle):
             return Outcome(right=right, level=level)
@@ -395,7 +398,7 @@ def report(*, seeds: int = SEEDS) -> str:
                 f"Random rigs from their files, seeds {FIRST_SEED} and on, `analyse` without any setting. Friction 1 "
                 f"to 10 % of the first spring force; dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
                 f"are those of records with modes to compare (of two masses: with both), the larger of the modes, "
-                f"against means over the cycles of the stretch that was used: from turn to turn (one mass) or of the "
+                f"against means over the cycles that the result is of: from turn to turn (one mass) or of the "
                 f"equivalent linear system (two masses). Intervals are counted by mode.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
