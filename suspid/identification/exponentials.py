@@ -21,6 +21,9 @@ from suspid.values import frozen_real
 # rounding.
 SERIES_REACH = 2.0
 SERIES_TERMS = 26
+# E-foldings after which an exponential adds less to an inner product than its rounding: exp(-40) = 4e-18. In records of
+# fewer blocks than the second number, looking for those that have gone takes as long as it saves.
+GONE, MANY_BLOCKS = 40.0, 256
 
 
 def power_sums(phi: ComplexArray, count: int, *, order: int = 2) -> ComplexArray:
@@ -136,6 +139,7 @@ class Blocks:
     count: int  # number of samples n
     folded: RealArray  # (channel, block, sample): the record; zeros after its last sample
     energy: RealArray  # (channel,): sum of squares of each channel
+    sums: ComplexArray  # (j, 1, channel): `project` on a constant, which is part of every fit
 
     @property
     def channels(self) -> int:
@@ -144,6 +148,8 @@ class Blocks:
 
     def project(self, theta: ComplexArray) -> ComplexArray:
         """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, exponent, channel), for j = 0 and 1."""
+        if len(theta) == 1 and not theta[0]:
+            return self.sums
         return _moments(self.folded, theta, self.count, 2)
 
 
@@ -153,7 +159,9 @@ def blocks_of(values: RealArray) -> Blocks:
     size = max(8, int(np.sqrt(count)))
     folded = np.zeros((channels, -(-count // size) * size))
     folded[:, :count] = values
-    return Blocks(count=count, folded=folded.reshape(channels, -1, size), energy=np.einsum("ck,ck->c", values, values))
+    folded = folded.reshape(channels, -1, size)
+    energy = np.einsum("ck,ck->c", values, values)
+    return Blocks(count=count, folded=folded, energy=energy, sums=_moments(folded, np.zeros(1, complex), count, 2))
 
 
 def project(values: RealArray, theta: ComplexArray, *, orders: int = 1) -> ComplexArray:
@@ -171,8 +179,24 @@ def project(values: RealArray, theta: ComplexArray, *, orders: int = 1) -> Compl
 def _moments(folded: RealArray, theta: ComplexArray, count: int, orders: int) -> ComplexArray:
     """Return the inner products of rows cut into blocks with exponentials times powers of ``k / n``.
 
-    From rows (row, block, sample) to (j, exponent, row), for j below a number of orders. With k counted from the block
-    and the block from the first, ``k^j`` is a binomial of both: each sample is read once.
+    From rows (row, block, sample) to (j, exponent, row), for j below a number of orders. In long records, exponentials
+    that have gone are multiplied with the first half of the blocks, the first quarter, and so on.
+    """
+    blocks, size = folded.shape[1:]
+    if blocks < MANY_BLOCKS:
+        return _block_moments(folded, theta, count, orders)
+    needed = GONE / size / np.maximum(-theta.real, GONE / size / blocks)
+    halvings = np.log2(blocks / np.maximum(needed, 1.0)).astype(int)
+    sums = np.empty((orders, len(theta), len(folded)), complex)
+    for n in set(halvings.tolist()):
+        sums[:, halvings == n] = _block_moments(folded[:, : -(-blocks >> n)], theta[halvings == n], count, orders)
+    return sums
+
+
+def _block_moments(folded: RealArray, theta: ComplexArray, count: int, orders: int) -> ComplexArray:
+    """Return `_moments` from all blocks.
+
+    With k counted from the block and the block from the first, ``k^j`` is a binomial of both: each sample is read once.
     """
     rows, blocks, size = folded.shape
     within, among = _ramps(size, blocks, count, orders)

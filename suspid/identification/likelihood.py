@@ -66,9 +66,8 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     inverse = ztrtri(lower, lower=1)[0] * norm
     inverse = inverse.conj().T @ inverse
     # For a real record the inner products with conjugate exponentials are conjugate.
-    distinct = np.concatenate([poles.pairs, poles.reals, poles.nuisances])
-    half = blocks.project(distinct)
-    zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
+    half, fixed = blocks.project(poles.every), blocks.project(poles.nuisances)
+    zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:], fixed], axis=1)
     amplitudes = inverse @ zeroth
     explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
     # The inverse magnifies the rounding of the explained energy; a residual below that is meaningless.
