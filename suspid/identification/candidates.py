@@ -21,6 +21,8 @@ Exponents = TypeVar("Exponents", RealArray, ComplexArray)
 LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
 MOST_CANDIDATES, CANDIDATES_TRIED = 12, 3
+# Samples up to which a row more makes a Fourier transform of three rows faster.
+MOST_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -114,8 +116,6 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     The first are real, one for each decay rate. The others are the largest of the local maxima along frequency at
     each decay rate, and points near the fitted poles.
     """
-    from scipy.fft import rfft
-
     count = scaled.shape[1]
     layout = _layout(count)
     decay, per_bin = np.array([p[0] for p in layout]), 2 * np.pi / np.array([p[2] for p in layout])
@@ -129,8 +129,10 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
     inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]
     for k, (rate, used, length, norm) in enumerate(layout):
-        spectrum = rfft(scaled[:, :used] * _decay(rate, used), n=length, axis=1)
-        gain = (spectrum.real**2 + spectrum.imag**2).sum(axis=0)
+        spectrum = _spectrum(scaled[:, :used] * _decay(rate, used), length)
+        parts = spectrum.view(np.float32)
+        squares = np.einsum("ck,ck->k", parts, parts)
+        gain = squares[::2] + squares[1::2]
         peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
         if len(peaks) > LOCAL_MAXIMA:
             peaks = peaks[np.argpartition(gain[peaks], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
@@ -144,6 +146,18 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     ranked = np.sort(height[height < np.inf])[-LOCAL_MAXIMA:]
     keep = np.flatnonzero(height >= (ranked[0] if len(ranked) else 0.0))
     return np.concatenate(theta)[keep], np.concatenate(inner, axis=1)[:, keep]
+
+
+def _spectrum(scaled: NDArray[np.float32], length: int) -> NDArray[np.complex64]:
+    """Return the Fourier transform of each channel, with zeros up to a length."""
+    from scipy.fft import rfft
+
+    channels = len(scaled)
+    # Four rows are transformed at once, in less time than three one by one, unless they exceed the processor's cache.
+    if channels % 4 == 3 and length <= MOST_AT_ONCE:
+        scaled = np.concatenate([scaled, np.zeros_like(scaled[:1])])
+    spectrum: NDArray[np.complex64] = rfft(scaled, n=length, axis=1)[:channels]
+    return spectrum
 
 
 def _decay(rate: float, count: int) -> NDArray[np.float32]:
