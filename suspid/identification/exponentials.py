@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import comb
+from math import comb, factorial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.units import ComplexArray, RealArray
-from suspid.values import frozen_real
+from suspid.values import frozen_complex, frozen_real
 
 # Below this |n phi| the closed forms lose digits, and a power series of this many terms is used: 2^26 / 26! is
 # rounding.
@@ -54,13 +54,11 @@ def power_sums(phi: ComplexArray, count: int, *, order: int = 2) -> ComplexArray
         earlier = sum(comb(j, m) * sums[m] / count ** (j - 1 - m) for m in range(j))
         sums[j] = ended - earlier * ratio
     if near.any():
-        x = phi[near] * count
-        moments = _power_means(count)[:, : order + 1]
+        x, moments = phi[near] * count, _power_means(count)[:, : order + 1]
         if x.any():
-            terms = np.cumprod(
-                np.column_stack([np.ones_like(x), np.divide.outer(x, np.arange(1, SERIES_TERMS))]), axis=1
-            )
-            sums[:, near] = (terms @ moments).T
+            powers = np.ones((len(x), SERIES_TERMS), complex)
+            powers[:, 1:] = x[:, None]
+            sums[:, near] = (np.multiply.accumulate(powers, axis=1) @ moments).T
         else:
             # A constant against itself.
             sums[:, near] = moments[0][:, None]
@@ -120,8 +118,8 @@ def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexAr
 
 
 @lru_cache(maxsize=64)
-def _power_means(count: int) -> RealArray:
-    """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0 … 4."""
+def _power_means(count: int) -> ComplexArray:
+    """Return ``sum_k (k / n)^(m + j) / m!``, (m, j), for every m of the series and j = 0 … 4."""
     power = np.arange(SERIES_TERMS + 4, dtype=float)
     if count > 4096:
         # Euler-Maclaurin: the integral and corrections at the ends. The next correction is below rounding here.
@@ -129,7 +127,8 @@ def _power_means(count: int) -> RealArray:
         sums[0] = count
     else:
         sums = np.array([np.sum((np.arange(count) / count) ** m) for m in power])
-    return frozen_real(np.stack([sums[j : j + SERIES_TERMS] for j in range(5)], axis=1))
+    factorials = np.array([factorial(m) for m in range(SERIES_TERMS)], float)
+    return frozen_complex(np.stack([sums[j : j + SERIES_TERMS] for j in range(5)], axis=1) / factorials[:, None])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
