@@ -200,8 +200,9 @@ class Fit:
         # What has gone within a few samples is no mode, whether one or two.
         apart[-every.real > MOST_DECAY] = np.inf
         split = np.zeros(len(every), bool)
-        for one in np.flatnonzero(np.min(apart, axis=1, initial=np.inf) < BENT).tolist():
-            other = int(np.argmin(apart[one]))
+        near = np.flatnonzero(np.min(apart, axis=1, initial=np.inf) < BENT).tolist()
+        # Of two that are next to each other, each is the other's nearest.
+        for one, other in sorted({tuple(sorted((one, int(np.argmin(apart[one]))))) for one in near}):
             if not (split[one] and split[other]):
                 colour = max(self.beside[one], self.beside[other])
                 split[[one, other]] |= same_shape(self.solution, one, other, colour=colour)

@@ -105,6 +105,7 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
     amplitudes, left = turn @ amounts, values.T - powers @ amounts
     bent = powers * (np.arange(count)[:, None] / count)
     beside = bent - basis @ (basis.T @ bent)
+    gram, tilt, bend = gram_sums(poles.pairs, np.concatenate([poles.reals, poles.nuisances]), count)
     return _weighed(
         poles,
         noise,
@@ -113,9 +114,9 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
         squares=np.sum(left**2, axis=0),
         rounding=ROUNDING_OF_SAMPLES * np.sum(values**2, axis=1),
         pull=turn @ (beside.T @ left),
-        gram=turn @ (powers.T @ powers) @ turn.conj().T,
-        tilt=turn @ (powers.T @ bent) @ turn.conj().T,
-        bend=turn @ (bent.T @ bent) @ turn.conj().T,
+        gram=gram,
+        tilt=tilt,
+        bend=bend,
         sharpness=turn @ (beside.T @ beside) @ turn.conj().T,
     )
 
