@@ -102,12 +102,12 @@ class Problem:
         more = np.concatenate([of_pairs, of_reals]) / (count * fit.variance)
         return loss_growth(np.maximum(more, 0.0).T, count), count * more.sum(axis=1)
 
-    def gains(self, fit: Fit, *, known: Mapping[int, float] | None = None) -> RealArray:
+    def gains(self, fit: Fit, *, fixed: RealArray | None = None, known: Mapping[int, float] | None = None) -> RealArray:
         """Return the gain of each pole in twice the log likelihood, (pole,); some may be ``known``.
 
-        Where a pole costs little at fixed poles, the others are refitted without it.
+        Where a pole costs little at ``fixed`` poles (by default `worths`), the others are refitted without it.
         """
-        gains = self.worths(fit)[0]
+        gains = self.worths(fit)[0] if fixed is None else fixed.copy()
         for index in np.flatnonzero(self.weak(fit, gains)).tolist():
             if known is not None and index in known:
                 gains[index] = known[index]
