@@ -158,9 +158,13 @@ def blocks_of(values: RealArray) -> Blocks:
     size = max(8, int(np.sqrt(count)))
     folded = np.zeros((channels, -(-count // size) * size))
     folded[:, :count] = values
-    folded = folded.reshape(channels, -1, size)
-    energy = np.einsum("ck,ck->c", values, values)
-    return Blocks(count=count, folded=folded, energy=energy, sums=_moments(folded, np.zeros(1, complex), count, 2))
+    sums = np.stack([values.sum(axis=1), values @ (np.arange(count) / count)])[:, None]
+    return Blocks(
+        count=count,
+        folded=folded.reshape(channels, -1, size),
+        energy=np.einsum("ck,ck->c", values, values),
+        sums=sums.astype(complex),
+    )
 
 
 def project(values: RealArray, theta: ComplexArray, *, orders: int = 1) -> ComplexArray:
