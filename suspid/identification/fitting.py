@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.ascent import maximize, settled
 from suspid.identification.classification import MOST_DECAY
-from suspid.identification.exponentials import Blocks, synthesize
+from suspid.identification.exponentials import Blocks, inner_products, synthesize
 from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples
 from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_near
 from suspid.identification.poles import Poles
@@ -173,7 +173,7 @@ class Fit:
     @cached_property
     def squares(self) -> RealArray:
         """Residual sum of squares, from the samples, (channel,)."""
-        return np.asarray(np.einsum("ck,ck->c", self.residual, self.residual))
+        return inner_products(self.residual, self.residual)
 
     @cached_property
     def variance(self) -> RealArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from suspid.identification.exponentials import inner_products
 from suspid.identification.noise.colour import correlated
 from suspid.identification.noise.quantisation import ABOVE_RESOLUTION
 from suspid.units import RealArray
@@ -22,7 +23,7 @@ def shared_noise(residual: RealArray, resolution: RealArray | float = 0.0) -> fl
     >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
     (1.0, 2.0)
     """
-    size = np.sqrt(np.einsum("ck,ck->c", residual, residual) / residual.shape[1])
+    size = np.sqrt(inner_products(residual, residual) / residual.shape[1])
     above = size > ABOVE_RESOLUTION * resolution
     together = noise_correlation(residual if above.all() else residual[above])
     apart = together[~np.eye(len(together), dtype=bool)]
