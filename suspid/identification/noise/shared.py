@@ -47,5 +47,6 @@ def noise_correlation(residual: RealArray) -> RealArray:
 def most_shared(residual: RealArray) -> tuple[int, int, float]:
     """Return the two channels whose noise is most correlated, and their correlation (without its sign)."""
     together = np.abs(noise_correlation(residual) - np.eye(len(residual)))
-    one, other = np.unravel_index(int(np.argmax(together)), together.shape)
-    return int(one), int(other), float(together[one, other])
+    # Rounding makes one of the two places of a pair the larger.
+    one, other = sorted(map(int, np.unravel_index(int(np.argmax(together)), together.shape)))
+    return one, other, float(together[one, other])
