@@ -148,15 +148,15 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     return np.concatenate(theta)[keep], np.concatenate(inner, axis=1)[:, keep]
 
 
-def _spectrum(scaled: NDArray[np.float32], length: int) -> NDArray[np.complex64]:
-    """Return the Fourier transform of each channel, with zeros up to a length."""
+def _spectrum(scaled: NDArray[np.float32], length: int) -> ComplexArray:
+    """Return the Fourier transform of each channel, with zeros up to a length, in single precision."""
     from scipy.fft import rfft
 
     channels = len(scaled)
     # Four rows are transformed at once, in less time than three one by one, unless they exceed the processor's cache.
     if channels % 4 == 3 and length <= MOST_AT_ONCE:
         scaled = np.concatenate([scaled, np.zeros_like(scaled[:1])])
-    spectrum: NDArray[np.complex64] = rfft(scaled, n=length, axis=1)[:channels]
+    spectrum: ComplexArray = rfft(scaled, n=length, axis=1)[:channels]
     return spectrum
 
 
@@ -167,7 +167,8 @@ def _decay(rate: float, count: int) -> NDArray[np.float32]:
     # A product of two powers takes a fifth of the time of an exponential.
     size = int(np.sqrt(count))
     first, within = (np.exp(-rate * np.arange(0, stop, step)) for stop, step in ((count, size), (size, 1)))
-    return np.multiply.outer(first, within).ravel()[:count].astype(np.float32)
+    decay: NDArray[np.float32] = np.multiply.outer(first, within).ravel()[:count].astype(np.float32)
+    return decay
 
 
 @lru_cache(maxsize=32)
