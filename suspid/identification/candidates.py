@@ -22,7 +22,7 @@ LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
 MOST_CANDIDATES, CANDIDATES_TRIED = 12, 3
 # Samples up to which a row more makes a Fourier transform of three rows faster.
-MOST_AT_ONCE = 1 << 18
+LONGEST_IN_FOURS = 1 << 18
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -127,7 +127,7 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     # 13 points near each fitted pole, at decay rates from an eighth of its own to 32 times that.
     between = low[..., None] + (high - low)[..., None] * np.arange(13) // 12
     theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
-    inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]
+    inner: list[NDArray[np.complexfloating]] = [np.empty((len(scaled), len(layout)), complex)]
     for k, (rate, used, length, norm) in enumerate(layout):
         spectrum = _spectrum(scaled[:, :used] * _decay(rate, used), length)
         parts = spectrum.view(np.float32)
@@ -145,18 +145,18 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     height = np.concatenate(heights)
     ranked = np.sort(height[height < np.inf])[-LOCAL_MAXIMA:]
     keep = np.flatnonzero(height >= (ranked[0] if len(ranked) else 0.0))
-    return np.concatenate(theta)[keep], np.concatenate(inner, axis=1)[:, keep]
+    return np.concatenate(theta)[keep], np.asarray(np.concatenate(inner, axis=1)[:, keep], complex)
 
 
-def _spectrum(scaled: NDArray[np.float32], length: int) -> ComplexArray:
-    """Return the Fourier transform of each channel, with zeros up to a length, in single precision."""
+def _spectrum(scaled: NDArray[np.float32], length: int) -> NDArray[np.complex64]:
+    """Return the Fourier transform of each channel, with zeros up to a length."""
     from scipy.fft import rfft
 
     channels = len(scaled)
     # Four rows are transformed at once, in less time than three one by one, unless they exceed the processor's cache.
-    if channels % 4 == 3 and length <= MOST_AT_ONCE:
+    if channels % 4 == 3 and length <= LONGEST_IN_FOURS:
         scaled = np.concatenate([scaled, np.zeros_like(scaled[:1])])
-    spectrum: ComplexArray = rfft(scaled, n=length, axis=1)[:channels]
+    spectrum: NDArray[np.complex64] = rfft(scaled, n=length, axis=1)[:channels]
     return spectrum
 
 

@@ -66,7 +66,7 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     inverse = ztrtri(lower, lower=1)[0] * norm
     inverse = inverse.conj().T @ inverse
     # For a real record the inner products with conjugate exponentials are conjugate.
-    half, fixed = blocks.project(poles.every), blocks.project(poles.nuisances + 0j)
+    half, fixed = blocks.project(poles.every), blocks.project(poles.nuisances.astype(complex))
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:], fixed], axis=1)
     amplitudes = inverse @ zeroth
     explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
