@@ -267,6 +267,23 @@ class TestThresholds:
             assert risk(found + 1e-6) <= min(least, grid) + 1e-3  # of differences with step 1e-7
 
     @pytest.mark.parametrize("rule", ["soft", "garrote"])
+    @pytest.mark.parametrize("spread", [0.0, 1.0, 5.0])
+    @pytest.mark.parametrize("digits", [None, 1])
+    def test_sure_of_many_is_that_of_all_sorted(self, rule: RuleName, spread: float, digits: int | None) -> None:
+        """The risk at every coefficient from sums over all smaller and all larger ones, without a histogram."""
+        count = 25_000
+        x = noise(count, 1) + spread * noise(count, 2) * (noise(count, 3) > 1.0)
+        x = x if digits is None else np.round(x, digits)
+        size = np.sort(np.abs(x))
+        size = np.concatenate([[0.0], size])
+        removed = np.cumsum(size**2 - 1) + 1
+        kept = count - np.arange(count + 1)
+        inverse = np.divide(1.0, size**2, out=np.zeros_like(size), where=size > 0)
+        left = kept * size**2 if rule == "soft" else (size**4 + 2 * size**2) * (np.sum(inverse) - np.cumsum(inverse))
+        risk = np.where(size <= universal_threshold(count), removed + kept + left, np.inf)
+        assert sure_threshold(x, rule=rule) == size[np.argmin(risk)]
+
+    @pytest.mark.parametrize("rule", ["soft", "garrote"])
     def test_sure_keeps_dense_signal_and_kills_pure_noise(self, rule: RuleName) -> None:
         """Where all is signal no threshold has a loss near the noise's; where none is, none has less than zero."""
         signal = 6 * np.sign(noise(2000, 1))

@@ -100,7 +100,7 @@ def theta() -> Complex:
 
 
 class TestBlocks:
-    @pytest.mark.parametrize("count", [8, 9, 63, 64, 65, 100, 5000, 12_345])
+    @pytest.mark.parametrize("count", [8, 9, 63, 64, 65, 100, 5000, 12_345, 70_000])
     @pytest.mark.parametrize("channels", [1, 3])
     def test_projections_are_dense_sums(self, theta: Complex, count: int, channels: int) -> None:
         values = np.random.default_rng(count).standard_normal((channels, count))
@@ -110,7 +110,7 @@ class TestBlocks:
         scale = np.stack([np.abs(dense) @ np.abs(values).T] * 2)
         np.testing.assert_array_less(np.abs(blocks_of(values).project(theta) - expected), 1e-12 * scale)
 
-    @pytest.mark.parametrize("count", [3, 63, 64, 65, 5000])
+    @pytest.mark.parametrize("count", [3, 63, 64, 65, 5000, 70_000])
     def test_a_record_used_once_has_the_same(self, theta: Complex, count: int) -> None:
         values = np.random.default_rng(count).standard_normal((2, count))
         time = np.arange(count) / count
@@ -118,6 +118,13 @@ class TestBlocks:
         expected = np.stack([dense @ (values * time**j).T for j in range(3)])
         scale = np.stack([np.abs(dense) @ np.abs(values).T] * 3)
         np.testing.assert_array_less(np.abs(project(values, theta, orders=3) - expected), 1e-12 * scale)
+
+    @pytest.mark.parametrize("count", [9, 5000, 70_000])
+    def test_a_constant_alone(self, count: int) -> None:
+        values = np.random.default_rng(count).standard_normal((2, count)) + 0.5
+        zeroth, first = blocks_of(values).project(np.zeros(1, complex))
+        np.testing.assert_allclose(zeroth[0], [np.sum(row) for row in values], rtol=1e-12)
+        np.testing.assert_allclose(first[0], [np.sum(row * np.arange(count)) / count for row in values], rtol=1e-12)
 
     def test_energy_and_channels(self) -> None:
         values = np.random.default_rng(1).standard_normal((2, 77))

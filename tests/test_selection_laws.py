@@ -225,6 +225,18 @@ class TestGains:
 
 
 class TestCandidates:
+    @pytest.mark.parametrize("channels", [1, 2, 3, 4, 7])
+    def test_inner_products_are_sums_over_the_residual(self, channels: int) -> None:
+        """Whatever the number of rows that are transformed at once; in single precision, up to 9 e-foldings."""
+        values = white(12, 1.0, channels)
+        none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
+        fit = evaluate(blocks_of(values), none, WhiteNoise(least=np.full(channels, 1e-12)))
+        assert fit is not None
+        points = searched(fit, values, np.mean(values**2, axis=1))
+        dense = np.exp(np.outer(points.theta, np.arange(values.shape[1]))).conj()
+        reach = np.sqrt(np.sum(np.abs(dense) ** 2, axis=1))
+        assert np.max(np.abs(points.inner - values @ dense.T) / reach) < 1e-3  # exp(-9) of some samples
+
     def test_no_two_lie_within_a_linewidth(self) -> None:
         values = decays(np.array([-0.05 + 0.4j, -0.002 + 1.2j]), np.array([[1.0, 0.2]])) + white(11, 0.01)
         none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))

@@ -32,6 +32,7 @@ STRUCTURE = frozenset(
 )
 # Settings that `identify` takes.
 FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
+PLAIN = Settings()
 # Doubts of what is elsewhere in the record.
 OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # Those that are about the quick fit alone.
@@ -57,8 +58,7 @@ def tried(record: control.TimeResponseData, settings: Settings) -> Identificatio
 
 def tried_linear(record: control.TimeResponseData, settings: Settings) -> Identification | None:
     """Return what `identify` finds where its linear fit is all that is needed, else None."""
-    plain = Settings()
-    if any(getattr(settings, name) != getattr(plain, name) for name in FOR_IDENTIFY):
+    if any(getattr(settings, name) != getattr(PLAIN, name) for name in FOR_IDENTIFY):
         return tried(record, settings)
     try:
         return identify_linear(record, strict=True)

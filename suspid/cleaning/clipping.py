@@ -23,6 +23,8 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     """
     limit = np.max(samples) if largest else np.min(samples)
     at = np.flatnonzero(samples == limit)
+    if at.size < CLIPPED:
+        return None
     starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
     lengths = np.diff(np.append(starts, len(at)))
     longest = int(np.argmax(lengths))

@@ -89,28 +89,37 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     >>> to_si(1.0, "g"), to_si(250.0, "µε")
     ((array(9.80665), 'm/s2'), (array(0.00025), 'strain'))
     """
-    plain = unit.strip().strip("[]()").strip()
-    for old, new in SPELLINGS:
-        plain = plain.replace(old, new)
-    if plain in TORQUES:
+    key = _key(unit)
+    if key in TORQUES:
         raise InputError(f"the unit {printable(unit)!r} is one of torque, which is not converted")
-    # kN and kn (knot), N and n: the only units that differ in case alone.
-    key = "kn_force" if plain == "kN" else plain if plain in FACTORS else IN_WORDS.get(plain.lower(), plain.lower())
     if key in OF_TEMPERATURE:
         raise InputError(f"the unit {printable(unit)!r} is one of temperature, which is not converted")
     if key not in FACTORS:
         known = ["kN" if name == "kn_force" else name for name in FACTORS]
-        raise InputError(f"the unit {printable(unit)!r} is not known.{nearest_names(plain, known)}")
+        raise InputError(f"the unit {printable(unit)!r} is not known.{nearest_names(_spelled(unit), known)}")
     factor, si = FACTORS[key]
     return np.array(np.asarray(values, float) * factor), si
 
 
 def si_unit(unit: str) -> str:
     """Return the SI unit of a unit; empty if it is not known."""
-    try:
-        return to_si(1.0, unit)[1]
-    except InputError:
-        return ""
+    return FACTORS.get(_key(unit), (1.0, ""))[1]
+
+
+def _key(unit: str) -> str:
+    """Return a unit as it stands in `FACTORS`, `OF_TEMPERATURE` or `TORQUES`, if it is known."""
+    plain = _spelled(unit)
+    if plain in FACTORS or plain in TORQUES:
+        return plain
+    # kN and kn (knot), N and n: the only units that differ in case alone.
+    return "kn_force" if plain == "kN" else IN_WORDS.get(plain.lower(), plain.lower())
+
+
+def _spelled(unit: str) -> str:
+    plain = unit.strip().strip("[]()").strip()
+    for old, new in SPELLINGS:
+        plain = plain.replace(old, new)
+    return plain
 
 
 def name_in_si(name: str, unit: str) -> str:

@@ -16,6 +16,7 @@ from suspid.identification.combs import without_comb
 from suspid.identification.considered import Considered, beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
+from suspid.identification.exponentials import inner_products
 from suspid.identification.halves import disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification
@@ -113,7 +114,7 @@ def by_likelihood(
         modes=modes,
         fitted=as_samples(signal.timepts, signal.values - left, signal.channels, title="Fitted decay", copied=False),
         residual=as_samples(signal.timepts, left, signal.channels, title="Residual", copied=False),
-        noise_std=frozen_real(np.sqrt(np.einsum("ck,ck->c", left, left) / freedom)),
+        noise_std=frozen_real(np.sqrt(inner_products(left, left) / freedom)),
         loudness=loudness,
         considered=considered,
         steps=steps,
@@ -170,7 +171,7 @@ def _fades(values: RealArray) -> bool:
     """Return whether the last third of a record moves less than the first, each about its own mean."""
     third = values.shape[1] // 3
     first, last, whole = (
-        np.einsum("ck,ck->c", part, part) / part.shape[1] - part.mean(axis=1) ** 2
+        inner_products(part, part) / part.shape[1] - part.mean(axis=1) ** 2
         for part in (values[:, :third], values[:, -third:], values)
     )
     # A larger ratio spends more time on noise, with a smaller one slow decays stay linear.

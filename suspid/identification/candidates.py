@@ -21,6 +21,8 @@ Exponents = TypeVar("Exponents", RealArray, ComplexArray)
 LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
 MOST_CANDIDATES, CANDIDATES_TRIED = 12, 3
+# Samples up to which a row more makes a Fourier transform of three rows faster.
+LONGEST_IN_FOURS = 1 << 18
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -114,8 +116,6 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     The first are real, one for each decay rate. The others are the largest of the local maxima along frequency at
     each decay rate, and points near the fitted poles.
     """
-    from scipy.fft import rfft
-
     count = scaled.shape[1]
     layout = _layout(count)
     decay, per_bin = np.array([p[0] for p in layout]), 2 * np.pi / np.array([p[2] for p in layout])
@@ -127,10 +127,12 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     # 13 points near each fitted pole, at decay rates from an eighth of its own to 32 times that.
     between = low[..., None] + (high - low)[..., None] * np.arange(13) // 12
     theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
-    inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]
+    inner: list[NDArray[np.complexfloating]] = [np.empty((len(scaled), len(layout)), complex)]
     for k, (rate, used, length, norm) in enumerate(layout):
-        spectrum = rfft(scaled[:, :used] * _decay(rate, used), n=length, axis=1)
-        gain = (spectrum.real**2 + spectrum.imag**2).sum(axis=0)
+        spectrum = _spectrum(scaled[:, :used] * _decay(rate, used), length)
+        parts = spectrum.view(np.float32)
+        squares = np.einsum("ck,ck->k", parts, parts)
+        gain = squares[::2] + squares[1::2]
         peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
         if len(peaks) > LOCAL_MAXIMA:
             peaks = peaks[np.argpartition(gain[peaks], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
@@ -143,12 +145,30 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     height = np.concatenate(heights)
     ranked = np.sort(height[height < np.inf])[-LOCAL_MAXIMA:]
     keep = np.flatnonzero(height >= (ranked[0] if len(ranked) else 0.0))
-    return np.concatenate(theta)[keep], np.concatenate(inner, axis=1)[:, keep]
+    return np.concatenate(theta)[keep], np.asarray(np.concatenate(inner, axis=1)[:, keep], complex)
+
+
+def _spectrum(scaled: NDArray[np.float32], length: int) -> NDArray[np.complex64]:
+    """Return the Fourier transform of each channel, with zeros up to a length."""
+    from scipy.fft import rfft
+
+    channels = len(scaled)
+    # Four rows are transformed at once, in less time than three one by one, unless they exceed the processor's cache.
+    if channels % 4 == 3 and length <= LONGEST_IN_FOURS:
+        scaled = np.concatenate([scaled, np.zeros_like(scaled[:1])])
+    spectrum: NDArray[np.complex64] = rfft(scaled, n=length, axis=1)[:channels]
+    return spectrum
 
 
 def _decay(rate: float, count: int) -> NDArray[np.float32]:
     """Return ``exp(-rate k)``; cached for records that are not long."""
-    return _short_decay(rate, count) if count <= 2**16 else np.exp(-rate * np.arange(count)).astype(np.float32)
+    if count <= 2**16:
+        return _short_decay(rate, count)
+    # A product of two powers takes a fifth of the time of an exponential.
+    size = int(np.sqrt(count))
+    first, within = (np.exp(-rate * np.arange(0, stop, step)) for stop, step in ((count, size), (size, 1)))
+    decay: NDArray[np.float32] = np.multiply.outer(first, within).ravel()[:count].astype(np.float32)
+    return decay
 
 
 @lru_cache(maxsize=32)

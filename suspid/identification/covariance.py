@@ -130,9 +130,11 @@ def amplitude_errors(fit: DecayFit, kept: NDArray[np.intp]) -> tuple[RealArray, 
     channels, size = len(fit.squares), 2 * len(kept)
     parts, inverse = _parts(fit.poles, kept), np.linalg.inv(fit.gram)
     own, turned = (parts @ inverse @ parts.conj().T).real, -parts @ inverse @ fit.tilt * fit.count
-    noise = np.kron(np.diag(fit.squares / fit.freedom), own)
-    dragged = [((turned * fit.amplitudes[:, c]) @ fit.poles.chart).real for c in range(channels)]
-    return np.asarray(noise, float), np.concatenate(dragged).reshape(channels * size, fit.poles.free)
+    each = np.arange(channels)
+    noise = np.zeros((channels, size, channels, size))
+    noise[each, :, each] = (fit.squares / fit.freedom)[:, None, None] * own
+    dragged = ((turned * fit.amplitudes.T[:, None]) @ fit.poles.chart).real
+    return noise.reshape(channels * size, -1), dragged.reshape(channels * size, -1)
 
 
 def inverse_information(information: RealArray) -> RealArray:

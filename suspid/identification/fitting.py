@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.ascent import maximize, settled
 from suspid.identification.classification import MOST_DECAY
-from suspid.identification.exponentials import Blocks, synthesize
+from suspid.identification.exponentials import Blocks, inner_products, synthesize
 from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples
 from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_near
 from suspid.identification.poles import Poles
@@ -102,12 +102,12 @@ class Problem:
         more = np.concatenate([of_pairs, of_reals]) / (count * fit.variance)
         return loss_growth(np.maximum(more, 0.0).T, count), count * more.sum(axis=1)
 
-    def gains(self, fit: Fit, *, known: Mapping[int, float] | None = None) -> RealArray:
+    def gains(self, fit: Fit, *, fixed: RealArray | None = None, known: Mapping[int, float] | None = None) -> RealArray:
         """Return the gain of each pole in twice the log likelihood, (pole,); some may be ``known``.
 
-        Where a pole costs little at fixed poles, the others are refitted without it.
+        Where a pole costs little at ``fixed`` poles (by default `worths`), the others are refitted without it.
         """
-        gains = self.worths(fit)[0]
+        gains = self.worths(fit)[0] if fixed is None else fixed.copy()
         for index in np.flatnonzero(self.weak(fit, gains)).tolist():
             if known is not None and index in known:
                 gains[index] = known[index]
@@ -173,7 +173,7 @@ class Fit:
     @cached_property
     def squares(self) -> RealArray:
         """Residual sum of squares, from the samples, (channel,)."""
-        return np.asarray(np.einsum("ck,ck->c", self.residual, self.residual))
+        return inner_products(self.residual, self.residual)
 
     @cached_property
     def variance(self) -> RealArray:
@@ -200,8 +200,9 @@ class Fit:
         # What has gone within a few samples is no mode, whether one or two.
         apart[-every.real > MOST_DECAY] = np.inf
         split = np.zeros(len(every), bool)
-        for one in np.flatnonzero(np.min(apart, axis=1, initial=np.inf) < BENT).tolist():
-            other = int(np.argmin(apart[one]))
+        near = np.flatnonzero(np.min(apart, axis=1, initial=np.inf) < BENT).tolist()
+        # Of two that are next to each other, each is the other's nearest.
+        for one, other in sorted({tuple(sorted((one, int(np.argmin(apart[one]))))) for one in near}):
             if not (split[one] and split[other]):
                 colour = max(self.beside[one], self.beside[other])
                 split[[one, other]] |= same_shape(self.solution, one, other, colour=colour)

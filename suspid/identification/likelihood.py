@@ -66,9 +66,8 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     inverse = ztrtri(lower, lower=1)[0] * norm
     inverse = inverse.conj().T @ inverse
     # For a real record the inner products with conjugate exponentials are conjugate.
-    distinct = np.concatenate([poles.pairs, poles.reals, poles.nuisances])
-    half = blocks.project(distinct)
-    zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
+    half, fixed = blocks.project(poles.every), blocks.project(poles.nuisances.astype(complex))
+    zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:], fixed], axis=1)
     amplitudes = inverse @ zeroth
     explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
     # The inverse magnifies the rounding of the explained energy; a residual below that is meaningless.
@@ -106,6 +105,7 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
     amplitudes, left = turn @ amounts, values.T - powers @ amounts
     bent = powers * (np.arange(count)[:, None] / count)
     beside = bent - basis @ (basis.T @ bent)
+    gram, tilt, bend = gram_sums(poles.pairs, np.concatenate([poles.reals, poles.nuisances]), count)
     return _weighed(
         poles,
         noise,
@@ -114,9 +114,9 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
         squares=np.sum(left**2, axis=0),
         rounding=ROUNDING_OF_SAMPLES * np.sum(values**2, axis=1),
         pull=turn @ (beside.T @ left),
-        gram=turn @ (powers.T @ powers) @ turn.conj().T,
-        tilt=turn @ (powers.T @ bent) @ turn.conj().T,
-        bend=turn @ (bent.T @ bent) @ turn.conj().T,
+        gram=gram,
+        tilt=tilt,
+        bend=bend,
         sharpness=turn @ (beside.T @ beside) @ turn.conj().T,
     )
 

@@ -85,11 +85,12 @@ def cancelling(selection: Selection) -> bool:
     aside = (Reason.TONE, Reason.DRIFT)
     free = np.flatnonzero([reason not in aside for reason in selection.reasons])
 
+    # Products of the motions of two exponentials over the noise, of all channels.
+    shares = (fit.gram * ((fit.amplitudes.conj() / (fit.squares + 1e-300)) @ fit.amplitudes.T)).real
+
     def energy(which: NDArray[np.intp]) -> float:
         rows = np.concatenate([fit.poles.rows[which], which[which < pairs] + pairs])
-        amplitudes, gram = fit.amplitudes[rows], fit.gram[np.ix_(rows, rows)]
-        each = np.einsum("ic,ij,jc->c", amplitudes.conj(), gram, amplitudes).real
-        return float(np.sum(each / (fit.squares + 1e-300)))
+        return float(shares[rows[:, None], rows].sum())
 
     together = energy(free)
     alone = sum(energy(free[k : k + 1]) for k in range(len(free)))

@@ -46,7 +46,7 @@ def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
         leaves = split or limits.worth(index, limits.gains[index]) < 1
         shorter = shorter or (problem.without(fit, index) if leaves else None)
         if shorter is None or not leaves:
-            return fit, problem.gains(fit, known=limits.refitted), rejected
+            return fit, problem.gains(fit, fixed=limits.gains, known=limits.refitted), rejected
         reason = Remark(Reason.SPLIT if split else Reason.NOT_NEEDED)
         if not split and limits.gains[index] >= limits.penalties[index]:
             times = limits.energies[index] / (limits.penalties[index] * limits.loud[index])

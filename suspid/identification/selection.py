@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate, Points, ranked, searched
 from suspid.identification.classification import ambiguous, reasons_of
 from suspid.identification.division import divided, unresolved
-from suspid.identification.exponentials import blocks_of
+from suspid.identification.exponentials import blocks_of, inner_products
 from suspid.identification.fitting import OTHER_FREQUENCY, Fit, Problem, linewidths_apart
 from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
@@ -171,7 +171,7 @@ def _may_grow(fit: Fit, most: int) -> bool:
     if fit.poles.free < 2 * MANY_PAIRS or fit.poles.free >= 2 * most:
         return fit.poles.free < 2 * most
     half = fit.residual.shape[1] // 2
-    first, second = (np.einsum("ck,ck->c", part, part) for part in (fit.residual[:, :half], fit.residual[:, half:]))
+    first, second = (inner_products(part, part) for part in (fit.residual[:, :half], fit.residual[:, half:]))
     return bool(np.sum(first / fit.variance) > DYING * np.sum(second / fit.variance))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.exponentials import project
+from suspid.identification.exponentials import inner_products, project
 from suspid.units import ComplexArray, RealArray
 
 # A residual is coloured if its correlation over one sample is this many standard deviations from zero. A smaller number
@@ -23,8 +23,8 @@ def lag_one(residual: RealArray, power: RealArray | None = None) -> RealArray:
 
     The sum of products is divided by ``power``, by default the sum of squares.
     """
-    power = np.einsum("ck,ck->c", residual, residual) if power is None else power
-    products = np.einsum("ck,ck->c", residual[:, 1:], residual[:, :-1])
+    power = inner_products(residual, residual) if power is None else power
+    products = inner_products(residual[:, 1:], residual[:, :-1])
     return np.asarray(products / np.where(power > 0, power, 1.0))
 
 
@@ -50,8 +50,7 @@ def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
     from scipy.linalg import solve_toeplitz
 
     lags = [
-        np.einsum("ck,ck->c", residual[:, lag:], residual[:, : residual.shape[1] - lag])
-        for lag in range(COLOUR_ORDER + 1)
+        inner_products(residual[:, lag:], residual[:, : residual.shape[1] - lag]) for lag in range(COLOUR_ORDER + 1)
     ]
     turns = np.exp(-1j * np.arange(1, COLOUR_ORDER + 1)[:, None] * omega)
     # A trace of white noise keeps the equations regular.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from suspid.identification.exponentials import inner_products
 from suspid.identification.noise.colour import correlated
 from suspid.identification.noise.quantisation import ABOVE_RESOLUTION
 from suspid.units import RealArray
@@ -22,7 +23,7 @@ def shared_noise(residual: RealArray, resolution: RealArray | float = 0.0) -> fl
     >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
     (1.0, 2.0)
     """
-    size = np.sqrt(np.einsum("ck,ck->c", residual, residual) / residual.shape[1])
+    size = np.sqrt(inner_products(residual, residual) / residual.shape[1])
     above = size > ABOVE_RESOLUTION * resolution
     together = noise_correlation(residual if above.all() else residual[above])
     apart = together[~np.eye(len(together), dtype=bool)]
@@ -46,5 +47,6 @@ def noise_correlation(residual: RealArray) -> RealArray:
 def most_shared(residual: RealArray) -> tuple[int, int, float]:
     """Return the two channels whose noise is most correlated, and their correlation (without its sign)."""
     together = np.abs(noise_correlation(residual) - np.eye(len(residual)))
-    one, other = np.unravel_index(int(np.argmax(together)), together.shape)
-    return int(one), int(other), float(together[one, other])
+    # Rounding makes one of the two places of a pair the larger.
+    one, other = sorted(map(int, np.unravel_index(int(np.argmax(together)), together.shape)))
+    return one, other, float(together[one, other])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from suspid.identification.candidates import ranked, searched
@@ -55,9 +57,9 @@ def repeated(
 
 def _combined(frequency: float, others: RealArray) -> bool:
     """Return whether a frequency is the sum or difference of two others, as where two modes bend the same spring."""
-    first, second = np.triu_indices(len(others), 1)
-    both = np.concatenate([others[first] + others[second], np.abs(others[first] - others[second])])
-    return bool(np.any(np.abs(frequency / both - 1) < MULTIPLE))
+    pairs = itertools.combinations(others.tolist(), 2)
+    both = (each for one, other in pairs for each in (one + other, abs(one - other)))
+    return any(abs(frequency - each) < MULTIPLE * each for each in both)
 
 
 def next_poles(residual: RealArray, variance: RealArray, noise: WhiteNoise, *, worth: float = 0.0) -> list[complex]:
