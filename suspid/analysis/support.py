@@ -104,8 +104,12 @@ def _alone(found: Identification) -> bool:
 
 
 def _again(found: Identification, stretch: Used) -> bool:
-    """Return whether another stretch that may be free motion shows a mode; of parts of the whole record, two do."""
+    """Return whether half of the other stretches may be free motion and show a mode; of parts of the record, two do.
+
+    A body that is let go again shows its modes each time; of many stretches of driven motion, one does by chance.
+    """
     used = stretch.used
-    apart = [d for d in stretch.decays if all(d.stop <= one.start or d.start >= one.stop for one in used)]
-    free = [d for d in apart if d.wn.size and not any(doubt.code in GRAVE for doubt in d.doubts)]
-    return sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free) >= (1 if used else 2)
+    apart = [d for d in stretch.decays if d.wn.size and all(d.stop <= one.start or d.start >= one.stop for one in used)]
+    free = [d for d in apart if not any(doubt.code in GRAVE for doubt in d.doubts)]
+    alike = sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free)
+    return alike >= (1 if used else 2) and 2 * alike >= len(apart)

@@ -26,6 +26,8 @@ A_PERIOD = 24
 # One wave leaves at most this share of the energy of the motion. One half sine of force of up to half a period leaves
 # more, for damping ratios up to 0.35, and a release ten times as much; swept sines under windows leave half.
 LEFT = 0.01
+# Samples of all channels for each unknown of the wave, at least. With fewer it follows anything.
+WAVE_SAMPLES_EACH = 4
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
 RISES = 0.02
 # Evaluations in the descent to a wave. It takes fifty.
@@ -66,7 +68,7 @@ def swells(record: control.TimeResponseData, found: Identification) -> bool:
     level = _level(values, period)
     top = _top(level, start, period)
     low = np.flatnonzero(level[:top] < RISEN * level[top])
-    reach = round(AROUND * period)
+    reach = max(round(AROUND * period), -(-_fewest(len(values)) // 2))
     # A period before the rise shows whether it begins at once.
     if not low.size or low[-1] < period:
         return False
@@ -120,8 +122,15 @@ def _top(level: RealArray, start: int, period: int) -> int:
         top = higher
 
 
+def _fewest(channels: int) -> int:
+    """Return the samples without which a wave, with four unknowns and three for each channel, follows any motion."""
+    return -(-WAVE_SAMPLES_EACH * (4 + 3 * channels) // channels)
+
+
 def _is_wave(values: RealArray, pole: complex) -> bool:
     """Return whether one wave explains a motion (channel, sample) down to noise of one and a small share."""
+    if values.shape[1] < _fewest(len(values)):
+        return False
     about = values - values.mean(axis=1, keepdims=True)
     noise = values.size - SURE * np.sqrt(2.0 * values.size)
     return _left_by_wave(values, pole * values.shape[1]) - noise < LEFT * float(np.sum(about**2))
