@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 # Periods of the strongest mode that are looked at before and after a time. In fewer, one blow looks like a wave; in
 # more, the envelope of a swept sine needs more than two orders of time.
-AROUND = 1.5
+LOOKED_AT = 1.5
 # The rise is at this share of the power of the top. Where no motion before has less, none rises in the record: the slow
 # fall of a light decay is as smooth as a wave.
 RISEN = 0.5
@@ -25,7 +25,7 @@ RISEN = 0.5
 A_PERIOD = 24
 # One wave leaves at most this share of the energy of the motion. One half sine of force of up to half a period leaves
 # more, for damping ratios up to 0.35, and a release ten times as much; swept sines under windows leave half.
-LEFT = 0.01
+LEFT_BY_WAVE = 0.01
 # Samples of all channels for each unknown of the wave, at least. With fewer it follows anything.
 WAVE_SAMPLES_EACH = 4
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
@@ -68,7 +68,7 @@ def swells(record: control.TimeResponseData, found: Identification) -> bool:
     level = _level(values, period)
     top = _top(level, start, period)
     low = np.flatnonzero(level[:top] < RISEN * level[top])
-    reach = max(round(AROUND * period), -(-_fewest(len(values)) // 2))
+    reach = max(round(LOOKED_AT * period), -(-_fewest(len(values)) // 2))
     # A period before the rise shows whether it begins at once.
     if not low.size or low[-1] < period:
         return False
@@ -133,7 +133,7 @@ def _is_wave(values: RealArray, pole: complex) -> bool:
         return False
     about = values - values.mean(axis=1, keepdims=True)
     noise = values.size - SURE * np.sqrt(2.0 * values.size)
-    return _left_by_wave(values, pole * values.shape[1]) - noise < LEFT * float(np.sum(about**2))
+    return _left_by_wave(values, pole * values.shape[1]) - noise < LEFT_BY_WAVE * float(np.sum(about**2))
 
 
 def _left_by_wave(values: RealArray, turn: complex) -> float:

@@ -48,8 +48,8 @@ if TYPE_CHECKING:
 VAGUE = 0.05
 # The frequency of any mode is open if its interval is wider than this share of it to either side.
 LEFT_OPEN = 0.5
-# Forces are told by what differs between large and small motion, the halves of a decay, each of which a fit must see. In
-# fewer samples some of the many forces that may act fit any motion, unless the noise is below this share of it.
+# Forces are told by what differs between large and small motion, the halves of a decay, each of which a fit must see.
+# In fewer samples some of the many forces that may act fit any motion, unless the noise is below this share of it.
 LEAST_FOR_FORCES, LITTLE_NOISE = 2 * FEWEST_SAMPLES, 0.05
 # A mode under forces that is not determined, but has this share of the largest amplitude, is plain to see: the forces
 # are not the true ones then.
