@@ -61,8 +61,10 @@ class TestSupport:
             ((decay(5, 2 * HERTZ),), False),
             ((decay(1, HERTZ),), False),
             ((decay(5, HERTZ, MISSING),), False),
+            ((decay(5, HERTZ), decay(10, 2 * HERTZ)), True),
+            ((decay(5, HERTZ), decay(10, 2 * HERTZ), decay(15, 3 * HERTZ)), False),
         ],
-        ids=["alone", "again", "nearly again", "another mode", "the same stretch", "driven motion"],
+        ids=["alone", "again", "nearly again", "another mode", "the same stretch", "driven motion", "half", "a third"],
     )
     def test_a_doubted_stretch_counts_if_another_shows_its_mode(self, others: tuple[Decay, ...], kept: bool) -> None:
         """A body that is let go again shows the same mode; a stretch does not support itself."""

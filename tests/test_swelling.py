@@ -116,7 +116,7 @@ def swept_under_window(seed: int) -> RealArray:
     return np.asarray(window * motion + 10 ** rng.uniform(-3, -1.5) * rng.standard_normal(TIME.size))
 
 
-@pytest.mark.parametrize("seed", (1_200_000, 1_200_003))
+@pytest.mark.parametrize("seed", [1_200_000, 1_200_003])
 def test_a_swept_sine_under_a_window_has_no_modes(seed: int) -> None:
     found = analyse(as_response(TIME, swept_under_window(seed)[None], ["seat"]))
     assert (len(found.modes), found.verdict.level) == (0, Level.NONE)

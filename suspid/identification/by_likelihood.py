@@ -171,8 +171,11 @@ def _check_count(modes: ModalSet, count: int | None) -> None:
 
 def _tells(centred: RealArray, selection: Selection) -> bool:
     """Return whether a record (channel, sample) has enough samples to tell forces from noise."""
-    left, motion = np.sum(selection.residual**2, axis=1), np.sum(centred**2, axis=1)
-    return centred.shape[1] >= LEAST_FOR_FORCES or bool(np.any(left < LITTLE_NOISE**2 * motion))
+    if centred.shape[1] >= LEAST_FOR_FORCES:
+        return True
+    # A fit with as many unknowns as samples leaves nothing of any motion.
+    noise = selection.fit.squares / max(selection.fit.freedom, 1e-300)
+    return bool(np.all(noise < LITTLE_NOISE**2 * np.mean(centred**2, axis=1)))
 
 
 def _fades(values: RealArray) -> bool:
