@@ -19,6 +19,7 @@ from suspid.identification import ForceKind, Identification, identification_to_d
 from suspid.identification.nonlinear.swings import Swings
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
+from validation import no_decay
 from validation.friction import Rig, release, released
 
 Real = NDArray[np.float64]
