@@ -133,7 +133,7 @@ def _is_wave(values: RealArray, pole: complex) -> bool:
         return False
     about = values - values.mean(axis=1, keepdims=True)
     noise = values.size - SURE * np.sqrt(2.0 * values.size)
-    return _left_by_wave(values, pole * values.shape[1]) - noise < LEFT_BY_WAVE * float(np.sum(about**2))
+    return bool(_left_by_wave(values, pole * values.shape[1]) - noise < LEFT_BY_WAVE * np.sum(about**2))
 
 
 def _left_by_wave(values: RealArray, turn: complex) -> float:
