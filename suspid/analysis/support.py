@@ -62,8 +62,8 @@ def _reason(found: Identification, stretch: Used) -> Remark | None:
     doubts = [check for check in doubts_of(used, found, decays) if check.level is Level.DOUBTFUL]
     grave = any(check.remark.code is RecordCheck.DECAY for check in doubts)
     unlike = [check.remark.numbers for check in doubts if check.remark.code is RecordCheck.NOT_REPEATED]
-    # That no other stretch has the modes of one beyond doubt is said, and left to the user. What needs friction or other
-    # forces is not: halves of different size cannot check them.
+    # That no other stretch has the modes of one beyond doubt is said, and left to the user. What needs friction or
+    # other forces is not: halves of different size cannot check them.
     if unlike and (grave or found.forces or found.verdict.level is Level.DOUBTFUL):
         return Remark(Reason.BY_CHANCE, unlike[0])
     if not used and not swings(found.modes):
