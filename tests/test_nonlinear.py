@@ -21,6 +21,7 @@ from suspid.identification.nonlinear.driven import Drive, evaluate
 from suspid.identification.nonlinear.swings import Swings, swings_of
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
+from validation import no_decay
 from validation.friction import Rig, release, released
 
 Real = NDArray[np.float64]
@@ -269,3 +270,11 @@ class TestMeans:
         zeta /= np.sqrt(1 + zeta**2)
         np.testing.assert_allclose(modes.zeta, [np.mean(zeta)], rtol=5e-3)
         np.testing.assert_allclose(modes.wn, [np.mean(wn / np.sqrt(1 - zeta**2))], rtol=2e-4)
+
+
+@pytest.mark.parametrize(("first", "last"), [(1185, 1219), (1866, 1902)])
+def test_in_few_noisy_samples_no_forces_are_found(first: int, last: int) -> None:
+    """Noise through two resonances, 35 samples of it: of many forces, some explain it by chance."""
+    time, values = no_decay.KINDS["speech-like modulation"](np.random.default_rng(1_000_003))
+    part = as_response(time[first:last], values[:, first:last], ["a", "b", "c"])
+    assert not identify(part).forces

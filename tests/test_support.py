@@ -11,6 +11,7 @@ from suspid import Identification, Level, Settings, analyse, identify
 from suspid.analysis.support import supported
 from suspid.analysis.used import Used
 from suspid.decays import Decay
+from suspid.identification import Force, ForceKind
 from suspid.records import as_response
 from suspid.signals import as_signal
 from suspid.words import DecayDoubt, Note, Number, Reason, Remark
@@ -61,8 +62,10 @@ class TestSupport:
             ((decay(5, 2 * HERTZ),), False),
             ((decay(1, HERTZ),), False),
             ((decay(5, HERTZ, MISSING),), False),
+            ((decay(5, HERTZ), decay(10, 2 * HERTZ)), True),
+            ((decay(5, HERTZ), decay(10, 2 * HERTZ), decay(15, 3 * HERTZ)), False),
         ],
-        ids=["alone", "again", "nearly again", "another mode", "the same stretch", "driven motion"],
+        ids=["alone", "again", "nearly again", "another mode", "the same stretch", "driven motion", "half", "a third"],
     )
     def test_a_doubted_stretch_counts_if_another_shows_its_mode(self, others: tuple[Decay, ...], kept: bool) -> None:
         """A body that is let go again shows the same mode; a stretch does not support itself."""
@@ -102,6 +105,16 @@ class TestSupport:
         assert [c.remark.code for c in left.considered][:1] == [Reason.BY_CHANCE]
         again = tuple(decay(5 * k, HERTZ) for k in range(5, 8))
         assert supported(found, stretch(found, (decay(0, HERTZ),), (*others, *again)), Settings()) is found
+
+    def test_forces_do_not_support_one_of_many_unlike_stretches(self) -> None:
+        """Halves of different size cannot check them; a linear decay that is beyond doubt is left to the user."""
+        found = identified(0.02)
+        others = (decay(5, 2 * HERTZ), decay(10, 3 * HERTZ), decay(15, 4 * HERTZ))
+        assert supported(found, stretch(found, (decay(0, HERTZ),), others), Settings()) is found
+        bent = replace(found, forces=(Force(kind=ForceKind.FRICTION, channel=0, other=None),))
+        left = supported(bent, stretch(bent, (decay(0, HERTZ),), others), Settings())
+        assert [c.remark.code for c in left.considered][:1] == [Reason.BY_CHANCE]
+        assert supported(bent, stretch(bent, (decay(0, HERTZ),), others[:2]), Settings()) is bent
 
 
 class TestWholeRecords:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
+from suspid.analysis.swelling import swells
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
 from suspid.identification import Considered, Identification
@@ -18,9 +20,16 @@ from suspid.signals import as_signal
 from suspid.values import frozen_real
 from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
 
+if TYPE_CHECKING:
+    import control
 
-def supported(found: Identification, stretch: Used, settings: Settings) -> Identification:
+
+def supported(
+    found: Identification, stretch: Used, settings: Settings, *, within: control.TimeResponseData | None = None
+) -> Identification:
     """Return an identification without its modes if they are doubtful and nothing but the fit to one stretch has them.
+
+    Neither has it any where the motion swells and fades as one wave in the record that the stretch is ``within``.
 
     A stretch that was chosen as the most like a decay of several, or of all that could be cut from a record, is like
     one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
@@ -28,7 +37,10 @@ def supported(found: Identification, stretch: Used, settings: Settings) -> Ident
     stretch or the number of modes, is not questioned.
     """
     chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
-    reason = None if chosen or found.method != "likelihood" else _reason(found, stretch)
+    if chosen or found.method != "likelihood":
+        return found
+    wave = within is not None and not _long_checked(found, stretch) and swells(within, found)
+    reason = Remark(Reason.SWELLS) if wave else _reason(found, stretch)
     if reason is None:
         return found
     none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles)
@@ -50,13 +62,20 @@ def _reason(found: Identification, stretch: Used) -> Remark | None:
     doubts = [check for check in doubts_of(used, found, decays) if check.level is Level.DOUBTFUL]
     grave = any(check.remark.code is RecordCheck.DECAY for check in doubts)
     unlike = [check.remark.numbers for check in doubts if check.remark.code is RecordCheck.NOT_REPEATED]
-    # That no other stretch has the modes of one beyond doubt is said, and left to the user.
-    if unlike and (grave or found.verdict.level is Level.DOUBTFUL):
+    # That no other stretch has the modes of one beyond doubt is said, and left to the user. What needs friction or
+    # other forces is not: halves of different size cannot check them.
+    if unlike and (grave or found.forces or found.verdict.level is Level.DOUBTFUL):
         return Remark(Reason.BY_CHANCE, unlike[0])
     if not used and not swings(found.modes):
         return Remark(Reason.NO_SWING)
     weak = grave or _one_place(found) or (_short(used) if used else not _let_go(found, stretch))
     return Remark(Reason.UNSUPPORTED) if weak and _alone(found) and not _again(found, stretch) else None
+
+
+def _long_checked(found: Identification, stretch: Used) -> bool:
+    """Return whether both halves of a decay of several cycles show a mode: one that hands pump up swells, too."""
+    agree = any(check.remark.code is ModeCheck.HALVES_AGREE for check in found.verdict.checks)
+    return agree and not _short(stretch.used)
 
 
 def _short(used: Sequence[Decay]) -> bool:
@@ -86,8 +105,12 @@ def _alone(found: Identification) -> bool:
 
 
 def _again(found: Identification, stretch: Used) -> bool:
-    """Return whether another stretch that may be free motion shows a mode; of parts of the whole record, two do."""
+    """Return whether half of the other stretches may be free motion and show a mode; of parts of the record, two do.
+
+    A body that is let go again shows its modes each time; of many stretches of driven motion, one does by chance.
+    """
     used = stretch.used
-    apart = [d for d in stretch.decays if all(d.stop <= one.start or d.start >= one.stop for one in used)]
-    free = [d for d in apart if d.wn.size and not any(doubt.code in GRAVE for doubt in d.doubts)]
-    return sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free) >= (1 if used else 2)
+    apart = [d for d in stretch.decays if d.wn.size and all(d.stop <= one.start or d.start >= one.stop for one in used)]
+    free = [d for d in apart if not any(doubt.code in GRAVE for doubt in d.doubts)]
+    alike = sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free)
+    return alike >= (1 if used else 2) and 2 * alike >= len(apart)

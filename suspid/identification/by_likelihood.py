@@ -17,7 +17,7 @@ from suspid.identification.considered import Considered, beside_bent, considered
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
 from suspid.identification.exponentials import inner_products
-from suspid.identification.halves import disagreement
+from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 VAGUE = 0.05
 # The frequency of any mode is open if its interval is wider than this share of it to either side.
 LEFT_OPEN = 0.5
+# Forces are told by what differs between large and small motion, the halves of a decay, each of which a fit must see.
+# In fewer samples some of the many forces that may act fit any motion, unless the noise is below this share of it.
+LEAST_FOR_FORCES, LITTLE_NOISE = 2 * FEWEST_SAMPLES, 0.05
 # A mode under forces that is not determined, but has this share of the largest amplitude, is plain to see: the forces
 # are not the true ones then.
 PLAIN_SIZE = 0.1
@@ -77,7 +80,7 @@ def by_likelihood(
     limits = (low * signal.step, high * signal.step)
     selection = select(centred, noise=noise, modes=steps.count, band=limits)
     bent = None
-    if forces is not Forces.IGNORED and _fades(centred) and unlike_linear(selection):
+    if forces is not Forces.IGNORED and _tells(centred, selection) and _fades(centred) and unlike_linear(selection):
         if forces is Forces.REFUSED:
             raise IdentificationError("the motion may not be linear: a search for friction and other forces is needed")
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
@@ -165,6 +168,15 @@ def _check_count(modes: ModalSet, count: int | None) -> None:
             f"like a mode: request fewer, or leave their number open",
             found=modes if len(modes) else None,
         )
+
+
+def _tells(centred: RealArray, selection: Selection) -> bool:
+    """Return whether a record (channel, sample) has enough samples to tell forces from noise."""
+    if centred.shape[1] >= LEAST_FOR_FORCES:
+        return True
+    # A fit with as many unknowns as samples leaves nothing of any motion.
+    noise = selection.fit.squares / max(selection.fit.freedom, 1e-300)
+    return bool(np.all(noise < LITTLE_NOISE**2 * np.mean(centred**2, axis=1)))
 
 
 def _fades(values: RealArray) -> bool:

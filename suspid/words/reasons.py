@@ -23,6 +23,11 @@ class Reason(Code):
         "unsupported",
         "doubtful, and nothing but the fit supports it: neither the halves of the stretch nor another stretch",
     )
+    SWELLS = (
+        "swells",
+        "the motion swells to its largest and fades as one smooth wave: nothing set it free, and a swept sine or a "
+        "modulated tone looks the same",
+    )
     NO_SWING = "no swing", "doubtful, and damped before it swings: a pulse of force looks the same"
     UNSURE = "unsure", "its decay is not significant against the residual near it"
     UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"

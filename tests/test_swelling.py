@@ -1,0 +1,122 @@
+"""Motion that swells and fades as one smooth wave is not free; what a blow or a release sets in motion is no wave."""
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, lfilter, ss2tf
+
+from suspid import Settings, analyse, identify
+from suspid.analysis.support import supported
+from suspid.analysis.swelling import LEFT_BY_WAVE, _left_by_wave, _level, _top, swells
+from suspid.analysis.used import Used
+from suspid.records import as_response, cut
+from suspid.units import RealArray
+from suspid.words import Level, Reason
+
+PERIOD = 48  # samples
+TIME = np.arange(1000) / 100
+
+
+def swept(seed: int = 1, *, channels: int = 1) -> RealArray:
+    """Return a sine that is swept under a Gaussian: exactly one wave, and white noise."""
+    rng = np.random.default_rng(seed)
+    motion = np.exp(-(((TIME - 5) / 1.2) ** 2)) * np.cos(20 * TIME + 0.5 * (TIME - 5) ** 2)
+    return np.outer(np.ones(channels), motion) + 1e-2 * rng.standard_normal((channels, len(TIME)))
+
+
+def after_force(zeta: float, width: float, *, acceleration: bool) -> RealArray:
+    """Return the motion of a mass after half a sine of force, some share of a period wide: exact, held by samples."""
+    wn = 2 * np.pi / PERIOD
+    a, b, c, d, _ = cont2discrete(
+        (
+            np.array([[0.0, 1.0], [-(wn**2), -2 * zeta * wn]]),
+            np.array([[0.0], [1.0]]),
+            np.array([[-(wn**2), -2 * zeta * wn]]) if acceleration else np.array([[1.0, 0.0]]),
+            np.array([[float(acceleration)]]),
+        ),
+        1.0,
+    )
+    numerator, denominator = ss2tf(a, b, c, d)
+    force = np.zeros(8 * PERIOD)
+    last = max(2, round(width * PERIOD))
+    force[2 * PERIOD : 2 * PERIOD + last] = np.sin(np.pi * np.arange(last) / last)
+    return np.asarray(lfilter(numerator[0], denominator, force))[None]
+
+
+class TestWaves:
+    @pytest.mark.parametrize("acceleration", [False, True])
+    @pytest.mark.parametrize("zeta", [0.02, 0.1, 0.35])
+    @pytest.mark.parametrize("width", [0.05, 0.25, 0.5])
+    def test_after_a_blow_of_up_to_half_a_period_no_wave_goes_through_the_top(
+        self, zeta: float, width: float, acceleration: bool
+    ) -> None:
+        motion = after_force(zeta, width, acceleration=acceleration)
+        turn = complex(-zeta, 1.0) * 2 * np.pi * 3
+        middle = _top(_level(motion, PERIOD), 2 * PERIOD + round(width * PERIOD), PERIOD)
+        part = motion[:, middle - PERIOD * 3 // 2 : middle + PERIOD * 3 // 2]
+        assert _left_by_wave(part, turn) > LEFT_BY_WAVE * np.sum((part - part.mean()) ** 2)
+
+    @pytest.mark.parametrize("reverse", [1, -1])
+    def test_of_a_swept_sine_under_a_gaussian_a_wave_leaves_the_noise(self, reverse: int) -> None:
+        """It has seven unknowns: the residual of 300 samples is a chi-square with 293 degrees of freedom."""
+        part = swept()[:, 350:650][:, ::reverse] / 1e-2
+        assert _left_by_wave(part, complex(-1.0, 60.0)) == pytest.approx(293, abs=4 * np.sqrt(2 * 293))
+
+    def test_one_that_ends_is_none(self) -> None:
+        """A wave that is cut off at its top has the energy of its other half left, of which it takes a part."""
+        part = swept()[:, 350:650]
+        part[:, 150:] = 0.0
+        assert _left_by_wave(part, complex(-1.0, 60.0)) > 10 * LEFT_BY_WAVE * np.sum(part**2)
+
+
+class TestRecords:
+    @pytest.mark.parametrize("channels", [1, 3])
+    def test_the_fall_of_a_wave_is_no_free_decay(self, channels: int) -> None:
+        record = as_response(TIME, swept(channels=channels), [f"y{k}" for k in range(channels)])
+        found = identify(cut(record, start=5.3, stop=7.0), modes=1)
+        assert swells(record, found)
+        stretch = Used(record=found.response, decays=(), used=(), notes=())
+        left = supported(found, stretch, Settings(), within=record)
+        assert [c.remark.code for c in left.considered][:1] == [Reason.SWELLS]
+        assert supported(found, stretch, Settings(start=5.3), within=record) is found
+
+    @pytest.mark.parametrize("scale", [1e-6, 1e6])
+    def test_units_do_not_matter(self, scale: float) -> None:
+        record = as_response(TIME, scale * swept(), ["seat"])
+        assert swells(record, identify(cut(record, start=5.3, stop=7.0), modes=1))
+
+    def test_with_few_samples_a_period_more_periods_are_looked_at(self) -> None:
+        """Seven unknowns follow any nine samples, those of a release too."""
+        free = np.where(TIME > 4, np.exp(4 - TIME) * np.sin(20 * (TIME - 4)), 0.0)[None]
+        free = free + 1e-2 * np.random.default_rng(2).standard_normal(free.shape)
+        records = [as_response(TIME[::11], motion[:, ::11], ["seat"]) for motion in (swept(), free)]
+        assert [
+            swells(one, identify(cut(one, start=5.3 if k == 0 else 4.1), modes=1)) for k, one in enumerate(records)
+        ] == [
+            True,
+            False,
+        ]
+
+    @pytest.mark.parametrize("zeta", [0.03, 0.1, 0.3])
+    def test_a_release_is_no_wave(self, zeta: float) -> None:
+        """It is held, and let go: neither the hold nor the fall of what moves since is the rise of a wave."""
+        after = np.maximum(TIME - 4, 0.0)
+        fall = np.exp(-20 * zeta * after) * np.cos(20 * after)
+        noise = 1e-2 * np.random.default_rng(2).standard_normal(TIME.size)
+        record = as_response(TIME, (fall + noise)[None], ["seat"])
+        for start in (4.0, 4.2):
+            assert not swells(record, identify(cut(record, start=start), modes=1))
+
+
+def swept_under_window(seed: int) -> RealArray:
+    """Return a sine swept by half its frequency under a squared sine that fills half of the record."""
+    rng = np.random.default_rng(seed)
+    window = np.sin(np.pi * np.clip((TIME - 2) / 5, 0.0, 1.0)) ** 2
+    first, rate = rng.uniform(15, 30), rng.uniform(0.5, 1.0)
+    motion = np.cos(first * TIME + rate * TIME**2)
+    return np.asarray(window * motion + 10 ** rng.uniform(-3, -1.5) * rng.standard_normal(TIME.size))
+
+
+@pytest.mark.parametrize("seed", [1_200_000, 1_200_003])
+def test_a_swept_sine_under_a_window_has_no_modes(seed: int) -> None:
+    found = analyse(as_response(TIME, swept_under_window(seed)[None], ["seat"]))
+    assert (len(found.modes), found.verdict.level) == (0, Level.NONE)
