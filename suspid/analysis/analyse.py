@@ -228,7 +228,7 @@ def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identi
     """Return the identification of the decay and, where several are used, that of all jointly."""
     if len(stretch.used) < 2:
         found = stretch.identification or identified(stretch.record, settings)
-        return supported(found, stretch, settings), None
+        return supported(found, stretch, settings, held(opened.cleaned, "record")), None
     repeats = identify_repeats(
         held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz
     )

@@ -4,38 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
+from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
 from suspid.identification import Considered, Identification
-from suspid.records import late_start
+from suspid.records import late_start, of_channels
 from suspid.signals import as_signal
 from suspid.values import frozen_real
 from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
 
+if TYPE_CHECKING:
+    import control
 
-def supported(found: Identification, stretch: Used, settings: Settings) -> Identification:
+
+def supported(
+    found: Identification, stretch: Used, settings: Settings, whole: control.TimeResponseData | None = None
+) -> Identification:
     """Return an identification without its modes if they are doubtful and nothing but the fit to one stretch has them.
 
     A stretch that was chosen as the most like a decay of several, or of all that could be cut from a record, is like
     one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
-    same modes in both halves of the stretch, or in another stretch. The fit stays as it is. What the settings choose, a
-    stretch or the number of modes, is not questioned.
+    same modes in both halves of the stretch, or in another stretch, or a mode whose swings the ``whole`` record shows
+    between two rests. The fit stays as it is. What the settings choose, a stretch or the number of modes, is not
+    questioned.
     """
     chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
     reason = None if chosen or found.method != "likelihood" else _reason(found, stretch)
     if reason is None:
         return found
-    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles)
+    shown = np.zeros(len(found.modes), bool)
+    if reason.code is Reason.UNSUPPORTED and not found.forces:
+        names = as_signal(stretch.record).channels
+        shown = shown_by_swings(of_channels(stretch.record if whole is None else whole, names), found.modes)
+    if shown.all():
+        return found
+    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles[~shown])
     return replace(
         found,
-        modes=found.modes[:0],
-        loudness=frozen_real(np.zeros(0)),
+        modes=found.modes[shown],
+        loudness=frozen_real(found.loudness[shown]),
         considered=(*none, *found.considered),
         amplitude_dependence=(),
         forces=(),

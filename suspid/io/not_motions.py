@@ -1,4 +1,4 @@
-"""Columns that measure no motion: what counts rows, a magnitude, a single number, the parts of a second."""
+"""Columns that measure no motion: what counts rows, a magnitude, a single number, a time."""
 
 from __future__ import annotations
 
@@ -83,3 +83,14 @@ def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps:
         if np.min(values) >= 0 and np.max(values) < 1 and np.all(np.abs(whole - np.round(whole)) < PART):
             found[name] = Remark(LeftOut.PARTS, {"other": plan.time or ""})
     return found if len(found) < len(plan.channels) else {}
+
+
+def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
+    """Return the channels that repeat the column of time number by number, as files with a time for each test do."""
+    if plan.time is None:
+        return {}
+    stamps = columns[plan.time]
+    same = [name for name in plan.followers if np.array_equal(columns[name], stamps, equal_nan=True)]
+    return (
+        dict.fromkeys(same, Remark(LeftOut.SAME_TIME, {"other": plan.time})) if len(same) < len(plan.channels) else {}
+    )

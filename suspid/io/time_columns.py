@@ -135,7 +135,7 @@ def _same_time(table: Table, one: str, other: str) -> bool:
 
 
 def increasing(table: Table) -> str:
-    """Return a hint at the first column if its numbers increase from row to row, or count the rows, else at the last."""
+    """Return a hint at the first column if its numbers increase, or count the rows, else at the last one."""
     for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:]]):
         with contextlib.suppress(RecordError):
             if is_frequency(name):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from decimal import Decimal
 
@@ -18,7 +18,7 @@ from suspid.io.names import (
     is_step,
     unit_in_name,
 )
-from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, single_numbers
+from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
 from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
@@ -85,7 +85,7 @@ def as_recording(
         elif said := too_fine(time_unit(table, times[0]), columns[times[0]]):
             left_out[f"unit of {times[0]!r}"] = said
         plan, outvoted = _outvoted(table, plan, stamps, fs)
-        parts = {} if channels else parts_of_seconds(plan, columns, stamps)
+        parts = {} if channels else parts_of_seconds(plan, columns, stamps) | repeated_times(plan, columns)
         norms, left_out = norms | parts, left_out | outvoted | parts
     elif followers:
         stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
