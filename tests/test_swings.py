@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_support import MISSING, decay, identified, stretch
 
 from suspid import ModalSet, Settings
 from suspid.analysis.held import without_held
@@ -11,7 +12,6 @@ from suspid.analysis.support import supported
 from suspid.analysis.swings import shown_by_swings
 from suspid.records import as_response
 from suspid.units import RealArray
-from tests.test_support import MISSING, decay, identified, stretch
 
 STEP = 0.01
 

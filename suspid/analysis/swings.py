@@ -21,7 +21,7 @@ RESTS_AFTER, RESTS_BEFORE = 1.0, 0.25
 # Swings that each are smaller than the one before. Of as many numbers in any order one in 120 is.
 LEAST_SWINGS = 5
 # The times of the swings are alike to this share: friction moves the middle of a swing, not its time.
-ALIKE = 0.15
+EVEN_SWINGS = 0.15
 # A mode makes swings if it takes their time to this share.
 SAME_TIME = 0.1
 
@@ -63,7 +63,7 @@ def _time_of_swings(samples: RealArray, step: Second) -> Second | None:
     sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns[1:] if turns[0] == 0 else turns)
     # A body that is let go leaves its place slowly: the first swing begins when it is seen.
     usual = float(np.median(times))
-    if len(sizes) < LEAST_SWINGS - 1 or np.any(np.diff(sizes) >= 0) or np.any(np.abs(times / usual - 1) > ALIKE):
+    if len(sizes) < LEAST_SWINGS - 1 or np.any(np.diff(sizes) >= 0) or np.any(np.abs(times / usual - 1) > EVEN_SWINGS):
         return None
     before, after = samples[: max(2, int(2 * usual * RESTS_BEFORE))], samples[-max(2, int(2 * usual * RESTS_AFTER)) :]
     rests = all(np.ptp(part) < least for part in (before, after))

@@ -15,7 +15,7 @@ from suspid.words import LeftOut, Remark
 # Rows in which a column of any name rises by one in each: in fewer, a motion in whole numbers may.
 MANY_ROWS = 50
 # Parts of a second are written with three digits at least [s].
-PART: Second = 1e-3
+OF_A_SECOND: Second = 1e-3
 
 
 def counters_of(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]:
@@ -80,7 +80,7 @@ def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps:
         if values.size != stamps.size or not np.all(np.isfinite(values)) or np.ptp(stamps) < 1 or np.ptp(values) < 0.5:
             continue
         whole = stamps - values
-        if np.min(values) >= 0 and np.max(values) < 1 and np.all(np.abs(whole - np.round(whole)) < PART):
+        if np.min(values) >= 0 and np.max(values) < 1 and np.all(np.abs(whole - np.round(whole)) < OF_A_SECOND):
             found[name] = Remark(LeftOut.PARTS, {"other": plan.time or ""})
     return found if len(found) < len(plan.channels) else {}
 
