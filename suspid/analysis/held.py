@@ -24,7 +24,7 @@ MOST_JUMPS, LONGEST_JUMP = 4, 48
 # What turns back this often within a jump, by this share of its range, swings: masses that friction stops soon stand
 # still for most of a record. A pulse turns once, one that goes both ways twice; a spline rings from sample to sample,
 # no slower than this many.
-LEAST_TURNS, SWING, RINGING = 3, 0.02, 3
+LEAST_TURNS, SWING, RINGS_FOR = 3, 0.02, 3
 # Words of names of what was asked for, not measured. Controllers that are switched off let it follow a sensor.
 COMMAND = re.compile(r"(?<![a-z])(command(ed)?|cmd|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE)
 
@@ -81,4 +81,4 @@ def _jumps(samples: RealArray) -> int | None:
 def _swings(samples: RealArray, least: float) -> bool:
     """Return whether samples turn back several times by a size, not from sample to sample."""
     turns = turns_of(samples, least)
-    return int(np.sum(np.diff(turns, prepend=-RINGING) >= RINGING)) >= LEAST_TURNS
+    return int(np.sum(np.diff(turns, prepend=-RINGS_FOR) >= RINGS_FOR)) >= LEAST_TURNS
