@@ -168,8 +168,9 @@ def _rounds(table: Table, mean: Hertz) -> bool:
         if not is_step(name):
             return False
         digits = f"{1 / rate:.{STATED_DIGITS}g}"
-        unit = 10.0 ** Decimal(digits).as_tuple().exponent
-        if abs(1 / mean - float(digits)) > 0.51 * unit:
+        exponent = Decimal(digits).as_tuple().exponent
+        # Half a unit of the last digit, and what the stamps are rounded by.
+        if not isinstance(exponent, int) or abs(1 / mean - float(digits)) > 0.51 * 10.0**exponent:
             return False
     return bool(table.rates)
 
