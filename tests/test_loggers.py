@@ -42,8 +42,10 @@ def test_rows_an_axis_and_lost_frames_are_no_clock(steps: np.ndarray) -> None:
     assert not runs_as_clock(np.concatenate([[0.0], np.cumsum(steps)]))
 
 
-def test_the_column_that_increases_is_named_where_none_is_taken(tmp_path: Path) -> None:
-    even = [f"{10 * k}" for k in range(TIMES.size)]
+@pytest.mark.parametrize("back", [0, 47])
+def test_the_column_that_increases_is_named_where_none_is_taken(tmp_path: Path, back: int) -> None:
+    """The clock of a micro:bit steps back by some milliseconds once in a while."""
+    even = [f"{10 * k - back * (k > 150)}" for k in range(TIMES.size)]
     with pytest.raises(RecordError, match="'column 3' increases like a time"):
         read_recording(table(tmp_path / "a.txt", SAMPLES, SAMPLES[::-1], even))
 

@@ -142,7 +142,8 @@ def increasing(table: Table) -> str:
                 return f"; {name!r} holds frequencies: {NO_SPECTRA}"
             if counts_rows(name, table.columns([name])[0]):
                 return f"; {name!r} counts the rows and is not a time"
-            if table.sizes[name] > 2 and np.all(np.diff(table.columns([name])[0]) > 0):
+            # The clock of a small board may step back now and then; a motion rises half of the time.
+            if table.sizes[name] > 2 and np.mean(np.diff(table.columns([name])[0]) > 0) >= MOST_STEPS:
                 return f"; {name!r} increases like a time"
     return ""
 
