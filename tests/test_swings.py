@@ -16,6 +16,10 @@ from suspid.units import RealArray
 STEP = 0.01
 
 
+def clock(count: int) -> RealArray:
+    return np.asarray(STEP * np.arange(count), float)
+
+
 def rubbed(hertz: float, *, swings: int, before: float = 1.0, after: float = 2.0) -> RealArray:
     """Return the exact motion of a mass that is held at 1, let go, and stopped by friction after a number of swings.
 
@@ -35,7 +39,7 @@ def modes(*hertz: float) -> ModalSet:
 
 
 def shown(values: RealArray, of: ModalSet) -> list[bool]:
-    return list(shown_by_swings(as_response(STEP * np.arange(values.size), values[None], ["seat"]), of))
+    return list(shown_by_swings(as_response(clock(values.size), values[None], ["seat"]), of))
 
 
 class TestSwings:
@@ -63,7 +67,7 @@ class TestSwings:
 def test_a_doubted_mode_counts_if_the_record_shows_its_swings(hertz: float, kept: bool) -> None:
     found = identified(0.5)
     values = rubbed(hertz, swings=10)
-    whole = as_response(STEP * np.arange(values.size), values[None], ["seat"])
+    whole = as_response(clock(values.size), values[None], ["seat"])
     left = supported(found, stretch(found, (decay(0, 1.5, MISSING),), ()), Settings(), whole)
     assert bool(len(left.modes)) is kept
     assert left.verdict.level <= found.verdict.level
@@ -72,7 +76,7 @@ def test_a_doubted_mode_counts_if_the_record_shows_its_swings(hertz: float, kept
 class TestHeld:
     def rates(self, values: RealArray) -> list[str]:
         other = np.cos(0.2 * np.arange(values.size)) * np.exp(-np.arange(values.size) / 200)
-        record = as_response(STEP * np.arange(values.size), np.stack([other, values]), ["other", "asked"])
+        record = as_response(clock(values.size), np.stack([other, values]), ["other", "asked"])
         return list(without_held(record)[0].output_labels)
 
     def test_a_mass_that_friction_stops_within_a_second_is_no_command(self) -> None:
