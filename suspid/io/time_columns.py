@@ -142,8 +142,10 @@ def increasing(table: Table) -> str:
                 return f"; {name!r} holds frequencies: {NO_SPECTRA}"
             if counts_rows(name, table.columns([name])[0]):
                 return f"; {name!r} counts the rows and is not a time"
-            # The clock of a small board may step back now and then; a motion rises half of the time.
-            if table.sizes[name] > 2 and np.mean(np.diff(table.columns([name])[0]) > 0) >= MOST_STEPS:
+            steps = np.diff(table.columns([name])[0])
+            # The clock of a small board may step back a little now and then; a motion, and parts of a second, fall as
+            # far as they rise.
+            if steps.size > 1 and np.sum(steps) > 0 and np.sum(steps) >= MOST_STEPS * np.sum(np.abs(steps)):
                 return f"; {name!r} increases like a time"
     return ""
 
