@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter, ss2tf
 
 from suspid import Settings, analyse, identify
-from suspid.analysis.support import supported
+from suspid.analysis.support import of_a_wave, supported
 from suspid.analysis.swelling import LEFT_BY_WAVE, _left_by_wave, _level, _top, swells
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
@@ -73,11 +73,12 @@ class TestRecords:
     def test_the_fall_of_a_wave_is_no_free_decay(self, channels: int) -> None:
         record = as_response(TIME, swept(channels=channels), [f"y{k}" for k in range(channels)])
         found = identify(cut(record, start=5.3, stop=7.0), modes=1)
-        assert swells(record, found)
         stretch = Used(record=found.response, decays=(), used=(), notes=())
-        left = supported(found, stretch, Settings(), within=record)
+        assert of_a_wave(found, stretch, Settings(), record)
+        left = supported(found, stretch, Settings(), wave=True)
         assert [c.remark.code for c in left.considered][:1] == [Reason.SWELLS]
-        assert supported(found, stretch, Settings(start=5.3), within=record) is found
+        assert supported(found, stretch, Settings(start=5.3), wave=True) is found
+        assert not of_a_wave(found, stretch, Settings(start=5.3), record)
 
     @pytest.mark.parametrize("scale", [1e-6, 1e6])
     def test_units_do_not_matter(self, scale: float) -> None:

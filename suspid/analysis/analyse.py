@@ -17,7 +17,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import stretch_of
-from suspid.analysis.support import supported
+from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
 from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
@@ -120,7 +120,7 @@ def analyse(
         if car is None:
             stretch = with_fewer_channels(record, stretch, settings, stretch_of)
         begin(STEPS[2])
-        identification, repeats = _identified(opened, stretch, settings)
+        identification, repeats, stretch = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]
     springs = Springs()
     if car is not None:
@@ -224,12 +224,15 @@ def _check_types(car: object, settings: object) -> None:
         raise InputError(Argument("car", f"{car!r:.80}"), " must be a Suspension; read_car reads one from a file")
 
 
-def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None]:
-    """Return the identification of the decay and, where several are used, that of all jointly."""
+def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None, Used]:
+    """Return the identification of the decay and, where several are used, that of all jointly; and what was used."""
     if len(stretch.used) < 2:
         found = stretch.identification or identified(stretch.record, settings)
-        return supported(found, stretch, settings, within=held(opened.cleaned, "record")), None
+        whole = held(opened.cleaned, "record")
+        wave = of_a_wave(found, stretch, settings, whole)
+        kept = supported(found, stretch, settings, whole=whole, wave=wave)
+        return kept, None, doubted_as_wave(stretch) if wave else stretch
     repeats = identify_repeats(
         held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz
     )
-    return repeats.each[0], repeats
+    return repeats.each[0], repeats, stretch

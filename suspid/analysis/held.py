@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.analysis.swings import turns_of
 from suspid.levels import EXACT
 from suspid.records import of_channels
 from suspid.signals import as_signal
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 # through a jump rings for about as many. A motion changes for longer, and one of a few steps of its resolution tells
 # nothing of its modes.
 MOST_JUMPS, LONGEST_JUMP = 4, 48
+# What turns back this often within a jump, by this share of its range, swings: masses that friction stops soon stand
+# still for most of a record. A pulse turns once, one that goes both ways twice; a spline rings from sample to sample,
+# no slower than this many.
+LEAST_TURNS, SWING, RINGS_FOR = 3, 0.02, 3
 # Words of names of what was asked for, not measured. Controllers that are switched off let it follow a sensor.
 COMMAND = re.compile(r"(?<![a-z])(command(ed)?|cmd|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE)
 
@@ -66,4 +71,14 @@ def _jumps(samples: RealArray) -> int | None:
     first = np.flatnonzero(np.diff(changes, prepend=-LONGEST_JUMP - 2) > LONGEST_JUMP)
     last = np.append(first[1:], changes.size) - 1
     longest = int(np.max(changes[last] - changes[first])) + 1
-    return first.size if first.size <= MOST_JUMPS and longest <= LONGEST_JUMP else None
+    if first.size > MOST_JUMPS or longest > LONGEST_JUMP:
+        return None
+    parts = [samples[i : j + 2] for i, j in zip(changes[first], changes[last], strict=True)]
+    least = SWING * float(np.ptp(samples))
+    return None if any(_swings(part, least) for part in parts) else first.size
+
+
+def _swings(samples: RealArray, least: float) -> bool:
+    """Return whether samples turn back several times by a size, not from sample to sample."""
+    turns = turns_of(samples, least)
+    return int(np.sum(np.diff(turns, prepend=-RINGS_FOR) >= RINGS_FOR)) >= LEAST_TURNS

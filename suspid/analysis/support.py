@@ -12,10 +12,11 @@ from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
 from suspid.analysis.swelling import swells
+from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
 from suspid.identification import Considered, Identification
-from suspid.records import late_start
+from suspid.records import late_start, of_channels
 from suspid.signals import as_signal
 from suspid.values import frozen_real
 from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
@@ -25,33 +26,63 @@ if TYPE_CHECKING:
 
 
 def supported(
-    found: Identification, stretch: Used, settings: Settings, *, within: control.TimeResponseData | None = None
+    found: Identification,
+    stretch: Used,
+    settings: Settings,
+    *,
+    whole: control.TimeResponseData | None = None,
+    wave: bool = False,
 ) -> Identification:
     """Return an identification without its modes if they are doubtful and nothing but the fit to one stretch has them.
 
-    Neither has it any where the motion swells and fades as one wave in the record that the stretch is ``within``.
-
     A stretch that was chosen as the most like a decay of several, or of all that could be cut from a record, is like
     one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
-    same modes in both halves of the stretch, or in another stretch. The fit stays as it is. What the settings choose, a
-    stretch or the number of modes, is not questioned.
+    same modes in both halves of the stretch, or in another stretch, or a mode whose swings the ``whole`` record shows
+    between two rests. What swells and fades as one ``wave`` (see `of_a_wave`) has none. The fit stays as it is. What
+    the settings choose, a stretch or the number of modes, is not questioned.
     """
-    chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
-    if chosen or found.method != "likelihood":
+    if not _questioned(found, settings):
         return found
-    wave = within is not None and not _long_checked(found, stretch) and swells(within, found)
-    reason = Remark(Reason.SWELLS) if wave else _reason(found, stretch)
+    lost = wave and (not stretch.used or level_of(found, stretch.used, stretch.decays) is Level.DOUBTFUL)
+    reason = Remark(Reason.SWELLS) if lost else _reason(found, stretch)
     if reason is None:
         return found
-    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles)
+    shown = np.zeros(len(found.modes), bool)
+    if reason.code is Reason.UNSUPPORTED and not found.forces:
+        names = as_signal(stretch.record).channels
+        shown = shown_by_swings(of_channels(stretch.record if whole is None else whole, names), found.modes)
+    if shown.all():
+        return found
+    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles[~shown])
     return replace(
         found,
-        modes=found.modes[:0],
-        loudness=frozen_real(np.zeros(0)),
+        modes=found.modes[shown],
+        loudness=frozen_real(found.loudness[shown]),
         considered=(*none, *found.considered),
         amplitude_dependence=(),
         forces=(),
     )
+
+
+def of_a_wave(found: Identification, stretch: Used, settings: Settings, whole: control.TimeResponseData) -> bool:
+    """Return whether a stretch is of motion that swells and fades as one wave, and nothing says that it is free."""
+    return _questioned(found, settings) and not _long_checked(found, stretch) and swells(whole, found)
+
+
+def doubted_as_wave(stretch: Used) -> Used:
+    """Return a stretch with the doubt that its motion swells and fades as one wave."""
+    doubt = Remark(DecayDoubt.SWELLS)
+    return replace(
+        stretch,
+        used=tuple(replace(decay, doubts=(*decay.doubts, doubt)) for decay in stretch.used),
+        notes=(*stretch.notes, Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)})),
+    )
+
+
+def _questioned(found: Identification, settings: Settings) -> bool:
+    """Return whether nothing of an identification was chosen by the settings."""
+    chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
+    return not chosen and found.method == "likelihood"
 
 
 def _reason(found: Identification, stretch: Used) -> Remark | None:

@@ -22,6 +22,7 @@ GRAVE = frozenset(
         DecayDoubt.DRIVEN,
         DecayDoubt.NONLINEAR,
         DecayDoubt.GROWING,
+        DecayDoubt.SWELLS,
         DecayDoubt.COMPANY,
         DecayDoubt.SMALL_PART,
         DecayDoubt.NOT_IDENTIFIED,

@@ -222,6 +222,11 @@ def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
     return None
 
 
+def is_step(name: str) -> bool:
+    """Whether a number of that name states the step between two samples, not their rate."""
+    return split_unit(name)[0] in STEP_NAMES
+
+
 def counts_rows(name: str, values: RealArray) -> bool:
     """Whether a column counts the rows, by its name and its numbers; of rows that were picked, every nth.
 

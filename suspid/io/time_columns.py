@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -34,6 +35,11 @@ MOST_STEPS, JITTERY = 0.9, 0.25
 MOST_LATE = 2.5
 # Steps that differ by less than this, relative to them, are even but for rounding.
 EVEN_TIME = 1e-3
+# Whole numbers are those of a clock that jitters if their usual step is this many at least, over this many rows: rows
+# that were picked, and stations of a speed, are fewer apart, or fewer.
+LEAST_TICKS, MANY_STAMPS = 4, 50
+# Names of columns that have none.
+UNNAMED_COLUMN = re.compile(r"column \d+")
 
 
 def time_column(
@@ -129,14 +135,17 @@ def _same_time(table: Table, one: str, other: str) -> bool:
 
 
 def increasing(table: Table) -> str:
-    """Return a hint at the first column if its numbers increase from row to row, or count the rows."""
-    for name in list(table.sizes)[:1]:
+    """Return a hint at the first column if its numbers increase, or count the rows, else at the last one."""
+    for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:]]):
         with contextlib.suppress(RecordError):
             if is_frequency(name):
                 return f"; {name!r} holds frequencies: {NO_SPECTRA}"
             if counts_rows(name, table.columns([name])[0]):
                 return f"; {name!r} counts the rows and is not a time"
-            if table.sizes[name] > 2 and np.all(np.diff(table.columns([name])[0]) > 0):
+            steps = np.diff(table.columns([name])[0])
+            # The clock of a small board may step back a little now and then; a motion, and parts of a second, fall as
+            # far as they rise.
+            if steps.size > 1 and np.sum(steps) > 0 and np.sum(steps) >= MOST_STEPS * np.sum(np.abs(steps)):
                 return f"; {name!r} increases like a time"
     return ""
 
@@ -156,8 +165,17 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
         firsts = {_first(table), *(_of_matrix(table, name) for name in matrices if f"{name}[2]" in table.sizes)}
         named = [name for name in free if name in firsts and is_abscissa(name, rate_known=bool(table.rates) or given)]
     with contextlib.suppress(RecordError):
-        return [name for name, numbers in zip(named, table.columns(named), strict=True) if runs_as_clock(numbers)]
+        clocks = [name for name, numbers in zip(named, table.columns(named), strict=True) if runs_as_clock(numbers)]
+        return clocks or ([] if given or table.rates else _unnamed_clock(table, free))
     return []
+
+
+def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
+    """Return the one column of columns without names that runs as a clock: small loggers write the time last."""
+    if not all(UNNAMED_COLUMN.fullmatch(name) for name in table.sizes) or len(free) < 2:
+        return []
+    running = [name for name, numbers in zip(free, table.columns(list(free)), strict=True) if runs_as_clock(numbers)]
+    return running if len(running) == 1 else []
 
 
 def _first(table: Table) -> str:
@@ -177,7 +195,8 @@ def _of_matrix(table: Table, name: str) -> str:
 def runs_as_clock(stamps: RealArray) -> bool:
     """Whether numbers rise as the stamps of a clock do: evenly, in even steps that are rounded, or with jitter.
 
-    Whole numbers one or more apart count the rows or are another axis; a logarithmic axis has no usual step.
+    Whole numbers in even steps of one or more count the rows or are another axis; those of a clock in milliseconds, or
+    finer, jitter. A logarithmic axis has no usual step.
 
     Examples
     --------
@@ -192,9 +211,12 @@ def runs_as_clock(stamps: RealArray) -> bool:
     with np.errstate(over="ignore"):
         steps = np.diff(stamps)
     usual = float(np.median(steps))
-    if not np.all(np.isfinite(steps)) or (usual >= 1 and np.all(stamps == np.round(stamps))):
+    rises = usual > 0 and bool(np.all(steps > 0))
+    if not np.all(np.isfinite(steps)):
         return False
-    rises = usual > 0 and np.all(steps > 0)
+    if usual >= 1 and np.all(stamps == np.round(stamps)):
+        ticks = rises and usual >= LEAST_TICKS and stamps.size >= MANY_STAMPS and bool(np.ptp(steps) > 0)
+        return ticks and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual
     if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
         return True
     # Stamps of whole milliseconds, some of them late by one.

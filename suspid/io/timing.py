@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from decimal import Decimal
 
 import numpy as np
 
@@ -14,10 +15,10 @@ from suspid.io.limits import metered
 from suspid.io.names import (
     PER_SECOND,
     counts_rows,
-    is_abscissa,
-    is_count,
+    is_step,
     unit_in_name,
 )
+from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
 from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
@@ -32,6 +33,8 @@ from suspid.words import LeftOut, Remark
 
 # Stamps whose mean rate is further than this share from a stated one run at another.
 OTHER_PACE = 0.02
+# Digits that a stated step may have: the inverse of its inverse has those again, and noise of doubles behind them.
+STATED_DIGITS = 12
 
 
 def as_recording(
@@ -66,9 +69,9 @@ def as_recording(
     if times and counts_rows(times[0], columns[times[0]]):
         plan, times = _without_counter(plan, times[0]), []
     left_out = {**table.unusable, **plan.left_out}
-    counters = [] if channels else _counters(plan, columns)
-    norms = {} if channels else {**_magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
-    norms |= {} if channels else _single_numbers(plan, columns)
+    counters = [] if channels else counters_of(plan, columns)
+    norms = {} if channels else {**magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
+    norms |= {} if channels else single_numbers(plan, columns)
     left_out |= {**dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER)), **norms}
     for name, other in table.rates.items():
         if fs is not None and not abs(fs - other) <= SEVEN_DIGITS * other:
@@ -82,7 +85,8 @@ def as_recording(
         elif said := too_fine(time_unit(table, times[0]), columns[times[0]]):
             left_out[f"unit of {times[0]!r}"] = said
         plan, outvoted = _outvoted(table, plan, stamps, fs)
-        left_out |= outvoted
+        parts = {} if channels else parts_of_seconds(plan, columns, stamps) | repeated_times(plan, columns)
+        norms, left_out = norms | parts, left_out | outvoted | parts
     elif followers:
         stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
     stamps.flags.writeable = False
@@ -132,43 +136,6 @@ def _without_counter(plan: ColumnPlan, time: str) -> ColumnPlan:
     return replace(plan, time=None, left_out={**plan.left_out, time: Remark(LeftOut.ROW_COUNTER)})
 
 
-def _counters(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]:
-    """Return the channels that count the rows by their names, and a first one without a name that does so."""
-    counters = [name for name in plan.channels if counts_rows(name, columns[name])]
-    first = next(iter(plan.followers), "")
-    unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
-    # In a matrix, the column before the time counts the rows.
-    unnamed |= first.endswith("[1]") and plan.time == f"{first.removesuffix('[1]')}[2]"
-    if unnamed and columns[first].size >= FEW_STAMPS and is_count(columns[first]):
-        counters.append(first)
-    return [] if len(counters) == len(plan.channels) else counters
-
-
-def _magnitudes(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
-    """Return the channels that are the magnitude of the three before them, as telephones add it: not linear in them."""
-    found: dict[str, Remark] = {}
-    for k in range(3, len(plan.channels)):
-        name, axes = plan.channels[k], plan.channels[k - 3 : k]
-        values = columns[name]
-        if any(columns[axis].size != values.size for axis in axes) or not np.any(values > 0):
-            continue
-        norm = np.sqrt(np.sum([columns[axis] ** 2 for axis in axes], axis=0))
-        with np.errstate(invalid="ignore"):
-            apart = float(np.nanmax(np.abs(norm - values), initial=0.0))
-        # Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its
-        # largest: half a unit of the last of three digits.
-        if apart <= 5e-3 * float(np.nanmax(values)):
-            found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
-    return found
-
-
-def _single_numbers(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
-    """Return the columns that hold a number in their first row alone, as some write a rate beside the samples."""
-    some = {name: columns[name] for name in plan.channels if columns[name].size >= FEW_STAMPS}
-    single = [name for name, values in some.items() if np.isfinite(values[0]) and not np.any(np.isfinite(values[1:]))]
-    return dict.fromkeys(single, Remark(LeftOut.NUMBER)) if len(single) < len(plan.channels) else {}
-
-
 def _outvoted(
     table: Table, plan: ColumnPlan, stamps: RealArray, fs: Hertz | None
 ) -> tuple[ColumnPlan, dict[str, Remark]]:
@@ -178,13 +145,34 @@ def _outvoted(
         return plan, {}
     mean = (known.size - 1) / float(known[-1] - known[0])
     # Rounded stamps have another usual step than mean step, and so have those with gaps: of them the rate is believed.
-    steady = abs(float(np.median(np.diff(known))) * mean - 1) < OTHER_PACE
+    steps = np.diff(known)
+    usual = float(np.median(steps))
+    steady = abs(usual * mean - 1) < OTHER_PACE
+    whole = float(np.max(steps)) < 1.5 * usual and float(np.min(steps)) > 0.5 * usual
+    if whole and abs(mean / plan.rate - 1) < OTHER_PACE and _rounds(table, mean):
+        return replace(plan, rate=None), {}
     if not steady or abs(mean / plan.rate - 1) < OTHER_PACE:
         return plan, {}
     said = {
         f"rate {name!r}": Remark(LeftOut.OUTVOTED, {"rate": own, "stamps": mean}) for name, own in table.rates.items()
     }
     return replace(plan, rate=None), said
+
+
+def _rounds(table: Table, mean: Hertz) -> bool:
+    """Return whether every rate of a file is stated as a step of few digits, to which that of the stamps rounds.
+
+    LabVIEW writes six decimals: of a step of 1/2048 s that is 0.000488, whose clock is 1.2 s late after an hour.
+    """
+    for name, rate in table.rates.items():
+        if not is_step(name):
+            return False
+        digits = f"{1 / rate:.{STATED_DIGITS}g}"
+        exponent = Decimal(digits).as_tuple().exponent
+        # Half a unit of the last digit, and what the stamps are rounded by.
+        if not isinstance(exponent, int) or abs(1 / mean - float(digits)) > 0.51 * 10.0**exponent:
+            return False
+    return bool(table.rates)
 
 
 def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:

@@ -85,6 +85,11 @@ class DecayDoubt(Code):
         "the motion decays from {first:.6g} s on, but no fit explains it before {start:.6g} s: frequency or damping "
         "change more with the amplitude there",
     )
+    SWELLS = (
+        "swells",
+        "the motion swells to its largest and fades as one smooth wave, as after a force at a natural frequency that "
+        "ends, but a swept sine or a modulated tone looks the same",
+    )
     GROWING = "growing", "part of the motion grows: still driven"
     CLIPPED = "clipped", sentence(lambda n: f"{count(int(str(n['samples'])), 'sample')} clipped")
     AT_START = "at start", "the decay starts at the first sample, so the excitation may still be acting"

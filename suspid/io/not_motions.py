@@ -1,0 +1,96 @@
+"""Columns that measure no motion: what counts rows, a magnitude, a single number, a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from suspid.io.column_plan import ColumnPlan
+from suspid.io.names import counts_rows, is_abscissa, is_count
+from suspid.io.time_units import FEW_STAMPS
+from suspid.units import RealArray, Second
+from suspid.words import LeftOut, Remark
+
+# Rows in which a column of any name rises by one in each: in fewer, a motion in whole numbers may.
+MANY_ROWS = 50
+# Parts of a second are written with three digits at least [s].
+OF_A_SECOND: Second = 1e-3
+
+
+def counters_of(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]:
+    """Return the channels that count the rows: those that rise by one in each, by their names every nth row too.
+
+    What a sensor measures does not rise by one from each row to the next. Of a first column without a name, a few rows
+    are enough.
+    """
+    counters = [
+        name
+        for name in plan.channels
+        if counts_rows(name, columns[name]) or (columns[name].size >= MANY_ROWS and is_count(columns[name]))
+    ]
+    first = next(iter(plan.followers), "")
+    unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
+    # In a matrix, the column before the time counts the rows.
+    unnamed |= first.endswith("[1]") and plan.time == f"{first.removesuffix('[1]')}[2]"
+    if unnamed and columns[first].size >= FEW_STAMPS and is_count(columns[first]):
+        counters.append(first)
+    return [] if len(counters) == len(plan.channels) else counters
+
+
+def magnitudes(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
+    """Return the channels that are the magnitude of the three before them, as telephones add it: not linear in them."""
+    found: dict[str, Remark] = {}
+    for k in range(3, len(plan.channels)):
+        name, axes = plan.channels[k], plan.channels[k - 3 : k]
+        values = columns[name]
+        # One that does not move is dead, which is said of it.
+        if any(columns[axis].size != values.size for axis in axes) or not np.any(values > 0) or not np.ptp(values) > 0:
+            continue
+        norm = np.sqrt(np.sum([columns[axis] ** 2 for axis in axes], axis=0))
+        with np.errstate(invalid="ignore"):
+            apart = float(np.nanmax(np.abs(norm - values), initial=0.0))
+        # Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its
+        # largest: half a unit of the last of three digits.
+        if apart <= 5e-3 * float(np.nanmax(values)):
+            found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
+    return found
+
+
+def single_numbers(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
+    """Return the columns that hold a number in their first row alone, as some write a rate beside the samples."""
+    some = {name: columns[name] for name in plan.channels if columns[name].size >= FEW_STAMPS}
+    single = [name for name, values in some.items() if np.isfinite(values[0]) and not np.any(np.isfinite(values[1:]))]
+    return dict.fromkeys(single, Remark(LeftOut.NUMBER)) if len(single) < len(plan.channels) else {}
+
+
+def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps: RealArray) -> dict[str, Remark]:
+    """Return the channels that hold the parts of a second beside the time: together with its stamps whole seconds.
+
+    Examples
+    --------
+    >>> stamps = 1_405_617_736 + np.arange(400) / 128
+    >>> plan = ColumnPlan(channels=("seat", "fraction"), time="t", clocks={}, rate=None, left_out={})
+    >>> list(parts_of_seconds(plan, {"seat": np.cos(stamps), "fraction": stamps % 1}, stamps))
+    ['fraction']
+    """
+    found: dict[str, Remark] = {}
+    for name in plan.followers:
+        values = columns[name]
+        if values.size != stamps.size or not np.all(np.isfinite(values)) or np.ptp(stamps) < 1 or np.ptp(values) < 0.5:
+            continue
+        whole = stamps - values
+        if np.min(values) >= 0 and np.max(values) < 1 and np.all(np.abs(whole - np.round(whole)) < OF_A_SECOND):
+            found[name] = Remark(LeftOut.PARTS, {"other": plan.time or ""})
+    return found if len(found) < len(plan.channels) else {}
+
+
+def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
+    """Return the channels that repeat the column of time number by number, as files with a time for each test do."""
+    if plan.time is None:
+        return {}
+    stamps = columns[plan.time]
+    same = [name for name in plan.followers if np.array_equal(columns[name], stamps, equal_nan=True)]
+    return (
+        dict.fromkeys(same, Remark(LeftOut.SAME_TIME, {"other": plan.time})) if len(same) < len(plan.channels) else {}
+    )

@@ -1,0 +1,106 @@
+"""Files as small loggers and LabVIEW write them: clocks without a name, steps of few digits, more than the motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from suspid import RecordError, read_record, read_recording
+from suspid.io.time_columns import runs_as_clock
+from suspid.words import LeftOut
+
+TIMES = np.arange(300) / 40
+SEAT = np.exp(-0.4 * TIMES) * np.cos(9 * TIMES)
+# A loop of an Arduino takes some milliseconds more or less.
+JITTER = np.random.default_rng(5).integers(-3, 4, TIMES.size)
+
+
+def table(path: Path, *columns: list[str], head: str = "") -> Path:
+    path.write_text(head + "".join(",".join(row) + "\n" for row in zip(*columns, strict=True)), encoding="utf-8")
+    return path
+
+
+SAMPLES = [f"{500 * y:.0f}" for y in SEAT]
+MILLIS = [f"{1000 * t + late:.0f}" for t, late in zip(TIMES, JITTER, strict=True)]
+
+
+@pytest.mark.parametrize("columns", [(MILLIS, SAMPLES, SAMPLES[::-1]), (SAMPLES, SAMPLES[::-1], MILLIS)])
+def test_milliseconds_that_jitter_are_a_time_without_a_name(tmp_path: Path, columns: tuple[list[str], ...]) -> None:
+    """A count of rows and an axis go in even steps; small loggers write the time first or last."""
+    first, second = read_recording(table(tmp_path / "a.txt", *columns)).channels
+    assert np.array_equal(first.timepts, second.timepts)
+    # Each of the 300 samples is up to 3 ms from its place.
+    assert float(np.mean(np.diff(first.timepts))) == pytest.approx(1 / 40, abs=2 * 3e-3 / 299)
+
+
+@pytest.mark.parametrize(
+    "steps", [np.ones(99), np.full(99, 10.0), 1 + np.arange(99) % 2, np.geomspace(4, 400, 99) // 1]
+)
+def test_rows_an_axis_and_lost_frames_are_no_clock(steps: np.ndarray) -> None:
+    assert not runs_as_clock(np.concatenate([[0.0], np.cumsum(steps)]))
+
+
+@pytest.mark.parametrize("back", [0, 47])
+def test_the_column_that_increases_is_named_where_none_is_taken(tmp_path: Path, back: int) -> None:
+    """The clock of a micro:bit steps back by some milliseconds once in a while."""
+    even = [f"{10 * k - back * (k > 150)}" for k in range(TIMES.size)]
+    with pytest.raises(RecordError, match="'column 3' increases like a time"):
+        read_recording(table(tmp_path / "a.txt", SAMPLES, SAMPLES[::-1], even))
+
+
+def labview(path: Path, step: str, stamps: np.ndarray) -> Path:
+    head = f"LabVIEW Measurement\t\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t1\nDelta_X\t{step}\n"
+    rows = "".join(f"{t:.6f}\t{np.sin(0.3 * k):.6f}\n" for k, t in enumerate(stamps))
+    path.write_text(f"{head}***End_of_Header***\t\t\nX_Value\tseat\n{rows}", encoding="utf-8")
+    return path
+
+
+def test_a_step_of_few_digits_yields_to_the_stamps_that_round_to_it(tmp_path: Path) -> None:
+    """LabVIEW states 1/2048 s as 0.000488, which is 5e-4 off: two samples after 4096."""
+    record = read_record(labview(tmp_path / "a.lvm", "0.000488", np.arange(4096) / 2048))
+    assert (record.time[-1] - record.time[0]) / 4095 == pytest.approx(1 / 2048, rel=1e-6)
+
+
+def test_a_step_beside_stamps_that_do_not_round_to_it_is_refused(tmp_path: Path) -> None:
+    """Of 0.00048812 s five digits are known, and the stamps run 3e-4 beside it."""
+    with pytest.raises(RecordError, match="disagree"):
+        read_record(labview(tmp_path / "a.lvm", "0.00048812", np.arange(4096) / 2048))
+
+
+class TestColumnsThatMeasureNothing:
+    """What a sensor measures does not rise by one from row to row, nor is it the fraction of the second."""
+
+    START = 1_406_729_720.491
+
+    def test_counter_fraction_and_magnitude_of_dead_columns(self, tmp_path: Path) -> None:
+        stamps = self.START + TIMES
+        columns = {
+            "Pt#": [f"{505_600 + k}" for k in range(TIMES.size)],
+            "laser": [f"{y:.6f}" for y in SEAT],
+            "D0": ["0"] * TIMES.size,
+            "D1": ["0"] * TIMES.size,
+            "DegC": ["999.0"] * TIMES.size,
+            "DegF": ["999.0"] * TIMES.size,
+            "Seconds": [f"{t:.6f}" for t in stamps],
+            "FracSec": [f"{t % 1:.6f}" for t in stamps],
+        }
+        path = table(tmp_path / "a.csv", *columns.values(), head=",".join(columns) + "\n")
+        recording = read_recording(path)
+        left_out = {name: why.code for name, why in recording.left_out}
+        assert left_out["Pt#"] is LeftOut.ROW_COUNTER
+        assert left_out["FracSec"] is LeftOut.PARTS
+        assert "DegF" not in left_out
+        assert [channel.name for channel in recording.channels] == ["laser", "D0", "D1", "DegC", "DegF"]
+
+    def test_a_time_for_each_test_is_no_channel(self, tmp_path: Path) -> None:
+        stamps = [f"{t:.6f}" for t in TIMES]
+        path = table(tmp_path / "a.csv", stamps, stamps, SAMPLES, head="Time_a,Tb,seat\n")
+        recording = read_recording(path, time="Time_a")
+        assert [channel.name for channel in recording.channels] == ["seat"]
+        assert dict(recording.left_out)["Tb"].code is LeftOut.SAME_TIME
+
+    def test_a_sensor_in_whole_numbers_is_a_channel(self, tmp_path: Path) -> None:
+        path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], SAMPLES, head="time,seat\n")
+        assert [channel.name for channel in read_recording(path).channels] == ["seat"]
