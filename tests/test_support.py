@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import binom
 
 from suspid import Identification, Level, Settings, analyse, identify
-from suspid.analysis.support import supported
+from suspid.analysis.support import _coherent, supported
 from suspid.analysis.used import Used
 from suspid.decays import Decay
 from suspid.identification import Force, ForceKind
@@ -115,6 +115,27 @@ class TestSupport:
         left = supported(bent, stretch(bent, (decay(0, HERTZ),), others), Settings())
         assert [c.remark.code for c in left.considered][:1] == [Reason.BY_CHANCE]
         assert supported(bent, stretch(bent, (decay(0, HERTZ),), others[:2]), Settings()) is bent
+
+
+class TestLightDecays:
+    @pytest.mark.parametrize(("zeta", "coherent"), [(0.0, True), (0.01, True), (0.03, False), (0.5, False)])
+    def test_one_swing_over_many_cycles_is_plain_to_see(self, zeta: float, coherent: bool) -> None:
+        time = np.arange(4000) / 200
+        noise = 0.003 * np.random.default_rng(3).standard_normal(time.size)
+        values = np.exp(-zeta * 9.42 * time) * np.cos(9.42 * time) + noise
+        found = identify(as_response(time, np.stack([values, 0.1 * np.sin(60 * time)]), ["seat", "chassis"]))
+        near = np.abs(found.modes.wn / 9.42 - 1) < 0.3
+        assert _coherent(found)[near].tolist() == [coherent] * int(np.sum(near))
+
+    def test_its_mode_stays_and_what_only_the_fit_shows_goes(self) -> None:
+        """A pendulum that loses 12 % in 28 cycles, beside a steady tone: neither half tells its damping."""
+        time, rng = np.arange(1840) / 40, np.random.default_rng(0)
+        swing = 10 * np.exp(-0.0027 * time) * np.cos(3.895 * time - 0.05 * np.exp(-time / 20) + 0.3)
+        values = np.outer([1.0, 0.8], swing + 0.1 * np.cos(4.268 * time)) + 0.02 * rng.standard_normal((2, time.size))
+        found = analyse(as_response(time, values, ["left", "right"]))
+        assert found.verdict.level is Level.DOUBTFUL
+        assert found.modes.wn == pytest.approx([3.895], rel=1e-3)
+        assert Reason.UNSUPPORTED in {each.remark.code for each in found.identification.considered}
 
 
 class TestWholeRecords:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
@@ -24,6 +25,10 @@ from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck
 if TYPE_CHECKING:
     import control
 
+# A mode that makes this many cycles before it has fallen to 1/e, and explains this share of the energy of a channel by
+# itself, is plain to see. Noise in a band keeps its phase for fewer, and a burst of a voice has other tones beside.
+MANY_CYCLES, NEARLY_ALL = 10.0, 0.95
+
 
 def supported(
     found: Identification,
@@ -38,8 +43,9 @@ def supported(
     A stretch that was chosen as the most like a decay of several, or of all that could be cut from a record, is like
     one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
     same modes in both halves of the stretch, or in another stretch, or a mode whose swings the ``whole`` record shows
-    between two rests. What swells and fades as one ``wave`` (see `of_a_wave`) has none. The fit stays as it is. What
-    the settings choose, a stretch or the number of modes, is not questioned.
+    between two rests, or that is nearly all of the motion over many cycles. What swells and fades as one ``wave`` (see
+    `of_a_wave`) has none. The fit stays as it is. What the settings choose, a stretch or the number of modes, is not
+    questioned.
     """
     if not _questioned(found, settings):
         return found
@@ -51,6 +57,7 @@ def supported(
     if reason.code is Reason.UNSUPPORTED and not found.forces:
         names = as_signal(stretch.record).channels
         shown = shown_by_swings(of_channels(stretch.record if whole is None else whole, names), found.modes)
+        shown |= _coherent(found)
     if shown.all():
         return found
     none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles[~shown])
@@ -133,6 +140,24 @@ def _alone(found: Identification) -> bool:
     """Return whether no mode is seen in both halves of a stretch, and the fit is loose or a pulse has one like it."""
     checks = found.verdict.checks
     return any(c.level is Level.DOUBTFUL and c.remark.code is ModeCheck.NOT_CROSS_CHECKED for c in checks)
+
+
+def _coherent(found: Identification) -> NDArray[np.bool_]:
+    """Return which modes by themselves are nearly all of the motion of a channel over many cycles, (mode,).
+
+    Two parts of a light decay do not tell its damping; that one swing goes on at one frequency they show.
+    """
+    response = as_signal(found.response)
+    about = response.values - response.values.mean(axis=1, keepdims=True)
+    time = response.step * np.arange(about.shape[1])
+    lasting = np.minimum(time[-1], 1 / np.abs(found.modes.poles.real).clip(1e-300))
+    coherent = np.abs(found.modes.poles.imag) * lasting > 2 * np.pi * MANY_CYCLES
+    for mode in np.flatnonzero(coherent):
+        course = np.exp(found.modes.poles[mode] * time)
+        basis, _ = np.linalg.qr(np.stack([course.real, course.imag, np.ones(len(time))], axis=1))
+        shares = np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300)
+        coherent[mode] = np.max(shares) > NEARLY_ALL
+    return np.asarray(coherent)
 
 
 def _again(found: Identification, stretch: Used) -> bool:

@@ -12,7 +12,7 @@ from suspid.io.time_units import FEW_STAMPS
 from suspid.units import RealArray, Second
 from suspid.words import LeftOut, Remark
 
-# Rows in which a column of any name rises by one in each: in fewer, a motion in whole numbers may.
+# Rows in which a column of any name rises by one in each, or repeats the time: in fewer, a motion may.
 MANY_ROWS = 50
 # Parts of a second are written with three digits at least [s].
 OF_A_SECOND: Second = 1e-3
@@ -87,7 +87,7 @@ def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps:
 
 def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
     """Return the channels that repeat the column of time number by number, as files with a time for each test do."""
-    if plan.time is None:
+    if plan.time is None or columns[plan.time].size < MANY_ROWS:
         return {}
     stamps = columns[plan.time]
     same = [name for name in plan.followers if np.array_equal(columns[name], stamps, equal_nan=True)]

@@ -235,6 +235,9 @@ def _are_rounded(stamps: RealArray, steps: RealArray) -> bool:
     if not unit > 0:
         return False
     counts = stamps / unit
+    # What rises by less is within one unit of a line whatever it is: a channel that steps once, and rests.
+    if counts[-1] - counts[0] < 3:
+        return False
     line = np.polynomial.Polynomial.fit(np.arange(stamps.size), counts, 1)(np.arange(stamps.size))
     # Stamps that are rounded to a unit are multiples of it but for this, in units.
     return bool(np.all(np.abs(counts - np.round(counts)) < 1e-3) and np.all(np.abs(counts - line) <= 1))
