@@ -60,7 +60,7 @@ def _time_of_swings(samples: RealArray, step: Second) -> Second | None:
     turns = turns_of(samples, least)
     if len(turns) < LEAST_SWINGS:
         return None
-    sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns[1:] if turns[0] == 0 else turns)
+    sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns)
     # A body that is let go leaves its place slowly: the first swing begins when it is seen.
     usual = float(np.median(times))
     if len(sizes) < LEAST_SWINGS - 1 or np.any(np.diff(sizes) >= 0) or np.any(np.abs(times / usual - 1) > EVEN_SWINGS):
@@ -78,13 +78,8 @@ def turns_of(samples: RealArray, least: float) -> NDArray[np.intp]:
     >>> turns_of(np.array([0.0, 1.0, 3.0, 2.9, 0.5, 0.6, -1.0, 2.0]), 1.0)
     array([2, 6])
     """
-    turns = list[int]()
-    way, furthest = 0.0, 0
-    for k, value in enumerate(samples.tolist()):
-        gone = value - samples[furthest]
-        if way * gone > 0 or (way == 0 and abs(gone) > least):
-            way, furthest = float(np.sign(gone)), k
-        elif -way * gone > least:
-            turns.append(furthest)
-            way, furthest = -way, k
-    return np.array(turns, np.intp)
+    from scipy.signal import find_peaks
+
+    # Where a turn rests, its first sample.
+    found = [find_peaks(side * samples, prominence=least, plateau_size=1)[1]["left_edges"] for side in (1.0, -1.0)]
+    return np.sort(np.concatenate(found))
