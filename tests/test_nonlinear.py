@@ -192,6 +192,17 @@ class TestSwings:
         assert swings.time[0] == pytest.approx(-missed, abs=2e-3)
         np.testing.assert_allclose(np.diff(np.log(swings.size)), -0.03 * np.pi / np.sqrt(1 - 0.03**2), rtol=2e-3)
 
+    def test_a_pole_that_falls_at_once_is_not_continued_before_the_record(self) -> None:
+        """Steps of a descent meet such poles; exp(2000) overflows, and users saw the warning of NumPy."""
+        forces = np.cos(0.1 * np.arange(200))[None]
+        drive = Drive(
+            theta=np.array([-2000 + 1j]), gains=np.ones((1, 1), complex), forces=forces, nuisances=np.zeros(0)
+        )
+        fit = evaluate(forces, drive, noise_of(forces))
+        assert fit is not None
+        with np.errstate(over="raise", invalid="raise"):
+            assert swings_of(fit, 0) is not None
+
 
 class TestRounded:
     def test_steps_of_an_encoder_leave_no_bias(self) -> None:

@@ -14,6 +14,8 @@ from suspid.units import ComplexArray, RealArray
 
 # A turn that the record misses by at most 3 samples, and by less than this share of a swing, is one of its turns.
 MISSED, MISSED_SHARE = 3.0, 0.1
+# A state that falls by this many e-foldings within the samples before the record is not continued there: 1e-100.
+FASTEST_FALL = 230.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -79,6 +81,8 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     theta = complex(fit.drive.theta[pole])
     most = min(MISSED, MISSED_SHARE * np.pi / theta.imag)
     more = int(np.ceil(most))
+    # What falls faster swings nowhere, and its powers backwards in time overflow.
+    more = more if -theta.real * more < FASTEST_FALL else 0
     first = window.indices(fit.states.shape[1])[0]
     push = fit.drive.gains[pole] @ fit.drive.forces[:, [first, first + len(state) - 1]]
     state = _prolonged(state, theta, push, more)
