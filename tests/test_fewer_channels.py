@@ -35,8 +35,8 @@ def written(path: Path, *channels: np.ndarray, names: tuple[str, ...] = ("Encode
     return path
 
 
-# With seed 1, tones within the linewidth of the mode follow its friction and the touches, and nothing tells it: rounding
-# decides whether they are found.
+# With seed 1, tones within the linewidth of the mode follow its friction and the touches, and nothing tells it.
+# Rounding decides whether they are found.
 UNTOLD = pytest.mark.xfail(reason="parts of a mode with friction are taken for tones", strict=False)
 
 

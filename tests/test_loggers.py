@@ -35,6 +35,13 @@ def test_milliseconds_that_jitter_are_a_time_without_a_name(tmp_path: Path, colu
     assert float(np.mean(np.diff(first.timepts))) == pytest.approx(1 / 40, abs=2 * 3e-3 / 299)
 
 
+def test_a_displacement_that_ramps_evenly_is_no_time_without_a_name(tmp_path: Path) -> None:
+    """A crosshead goes 0.05 mm a row: taken as the time, every frequency would be wrong, and nothing would tell."""
+    path = table(tmp_path / "a.txt", SAMPLES, [f"{0.05 * k:.2f}" for k in range(TIMES.size)])
+    with pytest.raises(RecordError, match="'column 2' increases like a time"):
+        read_recording(path)
+
+
 @pytest.mark.parametrize(
     "steps", [np.ones(99), np.full(99, 10.0), 1 + np.arange(99) % 2, np.geomspace(4, 400, 99) // 1]
 )

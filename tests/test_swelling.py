@@ -75,11 +75,11 @@ class TestRecords:
         record = as_response(TIME, swept(channels=channels), [f"y{k}" for k in range(channels)])
         found = identify(cut(record, start=5.3, stop=7.0), modes=1)
         stretch = Used(record=found.response, decays=(), used=(), notes=())
-        assert of_a_wave(found, stretch, Settings(), record)
+        assert of_a_wave(found, stretch, Settings(), record) == (True, True)
         left = supported(found, stretch, Settings(), wave=True)
         assert [c.remark.code for c in left.considered][:1] == [Reason.SWELLS]
         assert supported(found, stretch, Settings(start=5.3), wave=True) is found
-        assert not of_a_wave(found, stretch, Settings(start=5.3), record)
+        assert of_a_wave(found, stretch, Settings(start=5.3), record) == (False, False)
 
     @pytest.mark.parametrize("scale", [1e-6, 1e6])
     def test_units_do_not_matter(self, scale: float) -> None:
@@ -139,3 +139,30 @@ def test_what_is_driven_at_its_frequency_and_let_go_is_doubted_and_not_refused()
     found = analyse(as_response(time, motion + noise, ["seat"]))
     assert found.verdict.level is Level.DOUBTFUL
     assert found.modes.wn == pytest.approx([wn], rel=0.02)
+
+
+@pytest.mark.parametrize("cycles", [3, 5])
+def test_what_was_pumped_up_is_doubted_and_not_refused(cycles: int) -> None:
+    """A force in step with a mass builds its motion up smoothly; the damped fall after it leaves the noise alone."""
+    wn, zeta = 2 * np.pi / 10, 0.1
+    a, b, c, d, _ = cont2discrete(
+        (
+            np.array([[0.0, 1.0], [-(wn**2), -2 * zeta * wn]]),
+            np.array([[0.0], [1.0]]),
+            np.array([[1.0, 0.0]]),
+            np.zeros((1, 1)),
+        ),
+        1.0,
+    )
+    numerator, denominator = ss2tf(a, b, c, d)
+    force, steps = np.zeros(300), np.arange(10 * cycles)
+    force[40 : 40 + len(steps)] = np.sin(wn * steps) * np.minimum(1.0, steps / 10)
+    motion = lfilter(numerator[0], denominator, force)
+    motion = motion / np.max(np.abs(motion)) + 3e-3 * np.random.default_rng(1).standard_normal((2, 300))
+    record = as_response(np.arange(300) / 25, motion, ["seat", "chassis"])
+    found = analyse(record)
+    assert found.modes.wn == pytest.approx([25 * wn], rel=0.01)
+    assert found.modes.zeta == pytest.approx([zeta], rel=0.05)
+    assert found.verdict.level is Level.DOUBTFUL
+    # The bar that doubts it would refuse it.
+    assert (swells(record, found.identification), swells(record, found.identification, left=0.0)) == (True, False)

@@ -229,8 +229,8 @@ def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identi
     if len(stretch.used) < 2:
         found = stretch.identification or identified(stretch.record, settings)
         whole = held(opened.cleaned, "record")
-        wave = of_a_wave(found, stretch, settings, whole)
-        kept = supported(found, stretch, settings, whole=whole, wave=wave)
+        wave, alone = of_a_wave(found, stretch, settings, whole)
+        kept = supported(found, stretch, settings, whole=whole, wave=alone)
         return kept, None, doubted_as_wave(stretch) if wave else stretch
     repeats = identify_repeats(
         held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz

@@ -43,9 +43,9 @@ def supported(
     A stretch that was chosen as the most like a decay of several, or of all that could be cut from a record, is like
     one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
     same modes in both halves of the stretch, or in another stretch, or a mode whose swings the ``whole`` record shows
-    between two rests, or that is nearly all of the motion over many cycles. What swells and fades as one ``wave`` (see
-    `of_a_wave`) has none. The fit stays as it is. What the settings choose, a stretch or the number of modes, is not
-    questioned.
+    between two rests, or that is nearly all of the motion over many cycles. What a ``wave`` (see `of_a_wave`) explains
+    down to the noise of the fit has none. The fit stays as it is. What the settings choose, a stretch or the number of
+    modes, is not questioned.
     """
     if not _questioned(found, settings):
         return found
@@ -71,9 +71,17 @@ def supported(
     )
 
 
-def of_a_wave(found: Identification, stretch: Used, settings: Settings, whole: control.TimeResponseData) -> bool:
-    """Return whether a stretch is of motion that swells and fades as one wave, and nothing says that it is free."""
-    return _questioned(found, settings) and not _long_checked(found, stretch) and swells(whole, found)
+def of_a_wave(
+    found: Identification, stretch: Used, settings: Settings, whole: control.TimeResponseData
+) -> tuple[bool, bool]:
+    """Return whether a stretch is of motion that swells and fades as one wave, and whether it is nothing else.
+
+    Free motion that forces build up looks like a wave too, but is none down to the noise. A whole record that is free
+    from its first sample on does not swell.
+    """
+    if not _questioned(found, settings) or _long_checked(found, stretch) or not swells(whole, found):
+        return False, False
+    return True, not stretch.used or swells(whole, found, left=0.0)
 
 
 def doubted_as_wave(stretch: Used) -> Used:

@@ -10,7 +10,7 @@ from suspid.decays import block_means
 from suspid.identification import Identification
 from suspid.levels import SURE
 from suspid.signals import Signal, as_signal
-from suspid.units import RealArray
+from suspid.units import Ratio, RealArray
 
 if TYPE_CHECKING:
     import control
@@ -34,7 +34,7 @@ RISES = 0.02
 MOST_EVALUATIONS = 500
 
 
-def swells(record: control.TimeResponseData, found: Identification) -> bool:
+def swells(record: control.TimeResponseData, found: Identification, *, left: Ratio = LEFT_BY_WAVE) -> bool:
     """Return whether the motion of which an identification has a part rises and passes its top as a smooth wave.
 
     The wave is ``exp(a t + b t^2)`` with complex a and b, and a size and phase of its own in each channel: logarithmic
@@ -47,6 +47,8 @@ def swells(record: control.TimeResponseData, found: Identification) -> bool:
         The whole record.
     found : Identification
         What was identified in a part of it.
+    left : float, optional
+        Share of the energy of the motion that a wave may leave beyond the noise [1].
 
     Examples
     --------
@@ -72,7 +74,8 @@ def swells(record: control.TimeResponseData, found: Identification) -> bool:
     # A period before the rise shows whether it begins at once.
     if not low.size or low[-1] < period:
         return False
-    return all(_is_wave(values[:, max(0, place - reach) : place + reach], pole) for place in (int(low[-1]), top))
+    places = (int(low[-1]), top)
+    return all(_is_wave(values[:, max(0, place - reach) : place + reach], pole, left=left) for place in places)
 
 
 def _scaled(signal: Signal, found: Identification) -> tuple[RealArray, int, complex] | None:
@@ -127,13 +130,13 @@ def _fewest(channels: int) -> int:
     return -(-WAVE_SAMPLES_EACH * (4 + 3 * channels) // channels)
 
 
-def _is_wave(values: RealArray, pole: complex) -> bool:
+def _is_wave(values: RealArray, pole: complex, *, left: Ratio) -> bool:
     """Return whether one wave explains a motion (channel, sample) down to noise of one and a small share."""
     if values.shape[1] < _fewest(len(values)):
         return False
     about = values - values.mean(axis=1, keepdims=True)
     noise = values.size - SURE * np.sqrt(2.0 * values.size)
-    return bool(_left_by_wave(values, pole * values.shape[1]) - noise < LEFT_BY_WAVE * np.sum(about**2))
+    return bool(_left_by_wave(values, pole * values.shape[1]) - noise <= left * np.sum(about**2))
 
 
 def _left_by_wave(values: RealArray, turn: complex) -> float:

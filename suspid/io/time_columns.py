@@ -171,10 +171,13 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
 
 
 def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
-    """Return the one column of columns without names that runs as a clock: small loggers write the time last."""
+    """Return the one column of columns without names that counts milliseconds: small loggers write the time last.
+
+    Other numbers that rise evenly may be a displacement that is driven.
+    """
     if not all(UNNAMED_COLUMN.fullmatch(name) for name in table.sizes) or len(free) < 2:
         return []
-    running = [name for name, numbers in zip(free, table.columns(list(free)), strict=True) if runs_as_clock(numbers)]
+    running = [name for name, numbers in zip(free, table.columns(list(free)), strict=True) if _ticks(numbers)]
     return running if len(running) == 1 else []
 
 
@@ -215,13 +218,23 @@ def runs_as_clock(stamps: RealArray) -> bool:
     if not np.all(np.isfinite(steps)):
         return False
     if usual >= 1 and np.all(stamps == np.round(stamps)):
-        ticks = rises and usual >= LEAST_TICKS and stamps.size >= MANY_STAMPS and bool(np.ptp(steps) > 0)
-        return ticks and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual
+        return _ticks(stamps)
     if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
         return True
     # Stamps of whole milliseconds, some of them late by one.
     late = rises and float(np.max(steps)) <= MOST_LATE * usual and float(np.min(steps)) * MOST_LATE >= usual
     return late or _are_rounded(stamps, steps)
+
+
+def _ticks(stamps: RealArray) -> bool:
+    """Whether numbers are those of a clock in whole milliseconds, or finer, that jitters."""
+    stamps = stamps[: filled(stamps)]
+    if stamps.size < MANY_STAMPS or not np.all(np.isfinite(stamps)) or not np.all(stamps == np.round(stamps)):
+        return False
+    steps = np.diff(stamps)
+    usual = float(np.median(steps))
+    jitters = usual >= LEAST_TICKS and bool(np.all(steps > 0) and np.ptp(steps) > 0)
+    return jitters and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual
 
 
 def filled(stamps: RealArray) -> int:
