@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
+from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels
 from suspid.analysis.means import with_means
 from suspid.analysis.reading import Read, read, tests_of
@@ -122,6 +123,8 @@ def analyse(
         begin(STEPS[2])
         identification, repeats, stretch = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]
+    if repeats is None and settings.decay == "auto" and settings.start is settings.stop is None:
+        notes += larger_elsewhere(held(opened.cleaned, "record"), stretch)
     springs = Springs()
     if car is not None:
         begin(STEPS[3])

@@ -1,4 +1,4 @@
-"""Choice between decays that are all doubtful: one that holds far more of the motion than the others."""
+"""Decays beside which a record moves far more: of several that are doubtful another is used, and else it is said."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.used import Used
-from suspid.identification import Identification
+from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.signals import as_signal
 from suspid.units import RealArray
+from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -30,6 +31,41 @@ def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
     shares = [0.0 if one.identification is None else _share(one.identification, about) for one in tries]
     most = int(np.argmax(shares))
     return tries[most] if shares[most] > FAR_MORE * shares[0] else tries[0]
+
+
+def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:
+    """Return the note that every channel of a decay moves far more in another part of the record, of the same length.
+
+    A channel that is held does not move. A knock at the end of a record is short beside what was to be recorded.
+
+    Examples
+    --------
+    >>> from suspid.records import as_response, cut
+    >>> t = np.arange(1000) / 100
+    >>> knock = np.where(t > 8, np.exp(8 - t), 0.0) * np.sin(40 * t)
+    >>> record = as_response(t, (np.exp(-t) * np.sin(9 * t) + 1e-3 * knock)[None], ["seat"])
+    >>> used = Used(record=cut(record, start=8.0), decays=(), used=(), notes=())
+    >>> [str(note) for note in larger_elsewhere(record, used)]
+    ['elsewhere the record moves 942 times as much (rms), most about 1.03 s: start and stop choose another part']
+    """
+    signal, part = as_signal(record), as_signal(stretch.record)
+    count, size = part.values.shape[1], signal.values.shape[1]
+    rows = [signal.channels.index(name) for name in part.channels if name in signal.channels]
+    first = round((part.start - signal.start) / signal.step)
+    starts = np.arange(size - count + 1)
+    apart = starts[(starts + count <= first) | (starts >= first + count)]
+    if len(rows) < len(part.channels) or count < FEWEST_SAMPLES or not apart.size:
+        return ()
+    values = signal.values[rows] - signal.values[rows].mean(axis=1, keepdims=True)
+    sums, squares = (np.pad(np.cumsum(values**n, axis=1), ((0, 0), (1, 0))) for n in (1, 2))
+    power = (squares[:, count:] - squares[:, :-count]) - (sums[:, count:] - sums[:, :-count]) ** 2 / count
+    own = np.sum((part.values - part.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
+    more = np.min(power[:, apart] / np.maximum(own, 1e-300)[:, None], axis=0)
+    most = int(np.argmax(more))
+    if not FAR_MORE < more[most] < np.inf:
+        return ()
+    middle = signal.start + signal.step * float(apart[most] + count / 2)
+    return (Remark(Note.LARGER_ELSEWHERE, {"times": float(np.sqrt(more[most])), "time": middle}),)
 
 
 def _share(found: Identification, about: RealArray) -> float:

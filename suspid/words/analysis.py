@@ -95,6 +95,15 @@ class Note(Code):
         ),
     )
     DECAY_DOUBT = "decay doubt", "this decay: {doubt}"
+    LARGER_ELSEWHERE = (
+        "larger elsewhere",
+        sentence(
+            lambda n: (
+                f"elsewhere the record moves {float(str(n['times'])):.0f} times as much (rms), most about "
+                f"{moment(float(str(n['time'])))} s: {Argument('start')} and {Argument('stop')} choose another part"
+            )
+        ),
+    )
     HELD_CHANNEL = (
         "held channel",
         "channel {channel!r} is a command or a force, not a motion: constant except for jumps ({jumps}); left out; "
