@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from suspid import RecordError, read_record, read_recording
+from suspid.io.column_plan import ColumnPlan
+from suspid.io.not_motions import counters_of, parts_of_seconds, repeated_times
 from suspid.io.time_columns import runs_as_clock
 from suspid.words import LeftOut
 
@@ -111,3 +113,34 @@ class TestColumnsThatMeasureNothing:
     def test_a_sensor_in_whole_numbers_is_a_channel(self, tmp_path: Path) -> None:
         path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], SAMPLES, head="time,seat\n")
         assert [channel.name for channel in read_recording(path).channels] == ["seat"]
+
+
+class TestLimitsOfWhatMeasuresNothing:
+    """A column that comes near to a counter, a part of a second or a time, and is none."""
+
+    @staticmethod
+    def plan(*names: str) -> ColumnPlan:
+        return ColumnPlan(channels=("seat", *names), time="t", clocks={}, rate=None, left_out={})
+
+    @pytest.mark.parametrize(("rows", "counts"), [(30, False), (60, True)])
+    def test_rows_that_rise_by_one_and_that_repeat_the_time(self, rows: int, counts: bool) -> None:
+        times = np.arange(rows) / 40
+        columns = {"t": times, "seat": np.cos(times), "load": 7.0 + np.arange(rows), "again": times}
+        assert counters_of(self.plan("load", "again"), columns) == ["load"] * counts
+        assert list(repeated_times(self.plan("load", "again"), columns)) == ["again"] * counts
+
+    @pytest.mark.parametrize(
+        ("late", "size", "seconds", "is_part"),
+        [(0.0, 1.0, 5, True), (5e-3, 1.0, 5, False), (0.0, -1.0, 5, False), (0.0, 1.0, 0.6, False)],
+        ids=["fraction", "fraction of another clock", "below zero", "of less than a second"],
+    )
+    def test_parts_of_a_second(self, late: float, size: float, seconds: float, is_part: bool) -> None:
+        stamps = 1_405_617_736.2 + np.arange(round(128 * seconds)) / 128
+        columns = {"seat": np.cos(stamps), "part": size * ((stamps + late) % 1)}
+        assert list(parts_of_seconds(self.plan("part"), columns, stamps)) == ["part"] * is_part
+
+    def test_a_channel_that_is_alone_stays(self) -> None:
+        stamps = np.arange(400) / 128
+        plan = ColumnPlan(channels=("part",), time="t", clocks={}, rate=None, left_out={})
+        assert parts_of_seconds(plan, {"part": stamps % 1}, stamps) == {}
+        assert repeated_times(plan, {"t": stamps, "part": stamps}) == {}

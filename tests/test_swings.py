@@ -63,6 +63,26 @@ class TestSwings:
         assert shown(rubbed(1.4, swings=4), modes(1.4)) == [False]
 
 
+class TestLimits:
+    """What is within each limit and what is not, so that none is changed without a word."""
+
+    @pytest.mark.parametrize(("share", "is_shown"), [(0.85, False), (0.94, True), (1.06, True), (1.15, False)])
+    def test_the_time_of_the_mode(self, share: float, is_shown: bool) -> None:
+        assert shown(rubbed(1.4, swings=10), modes(1.4 * share)) == [is_shown]
+
+    @pytest.mark.parametrize(("periods", "is_shown"), [(0.15, False), (0.4, True)])
+    def test_the_rest_before(self, periods: float, is_shown: bool) -> None:
+        assert shown(rubbed(1.0, swings=10, before=periods), modes(1.0)) == [is_shown]
+
+    @pytest.mark.parametrize(("periods", "is_shown"), [(0.7, False), (1.2, True)])
+    def test_the_rest_after(self, periods: float, is_shown: bool) -> None:
+        assert shown(rubbed(1.0, swings=10, after=periods), modes(1.0)) == [is_shown]
+
+    @pytest.mark.parametrize(("swings", "is_shown"), [(6, False), (8, True)])
+    def test_the_number_of_swings(self, swings: int, is_shown: bool) -> None:
+        assert shown(rubbed(1.4, swings=swings), modes(1.4)) == [is_shown]
+
+
 @pytest.mark.parametrize(("hertz", "kept"), [(1.5 * np.sqrt(1 - 0.5**2), True), (2.5, False)])
 def test_a_doubted_mode_counts_if_the_record_shows_its_swings(hertz: float, kept: bool) -> None:
     found = identified(0.5)
