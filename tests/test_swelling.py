@@ -7,7 +7,7 @@ from scipy.signal import cont2discrete, lfilter, ss2tf
 
 from suspid import Settings, analyse, identify
 from suspid.analysis.support import of_a_wave, supported
-from suspid.analysis.swelling import LEFT_BY_WAVE, _left_by_wave, _level, _top, swells
+from suspid.analysis.swelling import LEFT_BY_WAVE, _left_by_wave, _level, _top, beyond_wave
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
@@ -84,19 +84,19 @@ class TestRecords:
     @pytest.mark.parametrize("scale", [1e-6, 1e6])
     def test_units_do_not_matter(self, scale: float) -> None:
         record = as_response(TIME, scale * swept(), ["seat"])
-        assert swells(record, identify(cut(record, start=5.3, stop=7.0), modes=1))
+        assert beyond_wave(record, identify(cut(record, start=5.3, stop=7.0), modes=1)) <= LEFT_BY_WAVE
 
     def test_with_few_samples_a_period_more_periods_are_looked_at(self) -> None:
         """Seven unknowns follow any nine samples, those of a release too."""
         free = np.where(TIME > 4, np.exp(4 - TIME) * np.sin(20 * (TIME - 4)), 0.0)[None]
         free = free + 1e-2 * np.random.default_rng(2).standard_normal(free.shape)
         records = [as_response(TIME[::11], motion[:, ::11], ["seat"]) for motion in (swept(), free)]
-        assert [
-            swells(one, identify(cut(one, start=5.3 if k == 0 else 4.1), modes=1)) for k, one in enumerate(records)
-        ] == [
-            True,
-            False,
+        left = [
+            beyond_wave(one, identify(cut(one, start=start), modes=1))
+            for one, start in zip(records, (5.3, 4.1), strict=True)
         ]
+        assert left[0] <= LEFT_BY_WAVE
+        assert left[1] == np.inf
 
     @pytest.mark.parametrize("zeta", [0.03, 0.1, 0.3])
     def test_a_release_is_no_wave(self, zeta: float) -> None:
@@ -106,7 +106,7 @@ class TestRecords:
         noise = 1e-2 * np.random.default_rng(2).standard_normal(TIME.size)
         record = as_response(TIME, (fall + noise)[None], ["seat"])
         for start in (4.0, 4.2):
-            assert not swells(record, identify(cut(record, start=start), modes=1))
+            assert beyond_wave(record, identify(cut(record, start=start), modes=1)) == np.inf
 
 
 def swept_under_window(seed: int) -> RealArray:
@@ -165,4 +165,4 @@ def test_what_was_pumped_up_is_doubted_and_not_refused(cycles: int) -> None:
     assert found.modes.zeta == pytest.approx([zeta], rel=0.05)
     assert found.verdict.level is Level.DOUBTFUL
     # The bar that doubts it would refuse it.
-    assert (swells(record, found.identification), swells(record, found.identification, left=0.0)) == (True, False)
+    assert 0 < beyond_wave(record, found.identification) <= LEFT_BY_WAVE

@@ -124,7 +124,7 @@ def analyse(
         identification, repeats, stretch = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settings.decay == "auto" and settings.start is settings.stop is None:
-        notes += larger_elsewhere(held(opened.cleaned, "record"), stretch)
+        notes += larger_elsewhere(record, stretch)
     springs = Springs()
     if car is not None:
         begin(STEPS[3])
@@ -229,13 +229,11 @@ def _check_types(car: object, settings: object) -> None:
 
 def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None, Used]:
     """Return the identification of the decay and, where several are used, that of all jointly; and what was used."""
+    whole = held(opened.cleaned, "record")
     if len(stretch.used) < 2:
         found = stretch.identification or identified(stretch.record, settings)
-        whole = held(opened.cleaned, "record")
         wave, alone = of_a_wave(found, stretch, settings, whole)
         kept = supported(found, stretch, settings, whole=whole, wave=alone)
         return kept, None, doubted_as_wave(stretch) if wave else stretch
-    repeats = identify_repeats(
-        held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz
-    )
+    repeats = identify_repeats(whole, stretch.used, modes=settings.modes, band_hz=settings.band_hz)
     return repeats.each[0], repeats, stretch

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
-from suspid.analysis.swelling import swells
+from suspid.analysis.swelling import beyond_wave
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
@@ -79,9 +79,11 @@ def of_a_wave(
     Free motion that forces build up looks like a wave too, but is none down to the noise. A whole record that is free
     from its first sample on does not swell.
     """
-    if not _questioned(found, settings) or _long_checked(found, stretch) or not swells(whole, found):
+    if not _questioned(found, settings) or _long_checked(found, stretch):
         return False, False
-    return True, not stretch.used or swells(whole, found, left=0.0)
+    beyond = beyond_wave(whole, found)
+    wave = beyond < np.inf
+    return wave, wave and (not stretch.used or beyond <= 0)
 
 
 def doubted_as_wave(stretch: Used) -> Used:

@@ -24,18 +24,18 @@ RISEN = 0.5
 # Samples of a period that tell its course; means are taken over more.
 A_PERIOD = 24
 # One wave leaves at most this share of the energy of the motion. One half sine of force of up to half a period leaves
-# more, for damping ratios up to 0.35, and a release ten times as much; swept sines under windows leave half.
+# more, for damping ratios up to 0.35.
 LEFT_BY_WAVE = 0.01
 # Samples of all channels for each unknown of the wave, at least. With fewer it follows anything.
 WAVE_SAMPLES_EACH = 4
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
 RISES = 0.02
-# Evaluations in the descent to a wave. It takes fifty.
+# Evaluations in the descent to a wave: more only where there is none.
 MOST_EVALUATIONS = 500
 
 
-def swells(record: control.TimeResponseData, found: Identification, *, left: Ratio = LEFT_BY_WAVE) -> bool:
-    """Return whether the motion of which an identification has a part rises and passes its top as a smooth wave.
+def beyond_wave(record: control.TimeResponseData, found: Identification) -> Ratio:
+    """Return the share of the energy of a motion that one smooth wave through its rise and its top leaves of it.
 
     The wave is ``exp(a t + b t^2)`` with complex a and b, and a size and phase of its own in each channel: logarithmic
     amplitude and phase are of second order in time, as those of a swept sine under a Gaussian. Free motion begins with
@@ -47,8 +47,12 @@ def swells(record: control.TimeResponseData, found: Identification, *, left: Rat
         The whole record.
     found : Identification
         What was identified in a part of it.
-    left : float, optional
-        Share of the energy of the motion that a wave may leave beyond the noise [1].
+
+    Returns
+    -------
+    float
+        Share beyond the noise of the fit [1]; 0 where the wave leaves that noise alone. Infinite where no motion rises
+        in the record, or no wave goes through it.
 
     Examples
     --------
@@ -59,12 +63,12 @@ def swells(record: control.TimeResponseData, found: Identification, *, left: Rat
     >>> swept = np.exp(-((t - 5) ** 2)) * np.cos(20 * t + 0.3 * t**2)
     >>> free = np.where(t > 5, np.exp(-(t - 5)) * np.sin(20 * (t - 5)), 0.0)
     >>> records = [as_response(t, (motion + noise)[None], ["seat"]) for motion in (swept, free)]
-    >>> [swells(record, identify(cut(record, start=5.2), modes=1)) for record in records]
-    [True, False]
+    >>> [beyond_wave(record, identify(cut(record, start=5.2), modes=1)) for record in records]
+    [0.0, inf]
     """
     scaled = _scaled(as_signal(record), found)
     if scaled is None:
-        return False
+        return np.inf
     values, start, pole = scaled
     period = max(2, round(2 * np.pi / abs(pole)))
     level = _level(values, period)
@@ -73,9 +77,13 @@ def swells(record: control.TimeResponseData, found: Identification, *, left: Rat
     reach = max(round(LOOKED_AT * period), -(-_fewest(len(values)) // 2))
     # A period before the rise shows whether it begins at once.
     if not low.size or low[-1] < period:
-        return False
-    places = (int(low[-1]), top)
-    return all(_is_wave(values[:, max(0, place - reach) : place + reach], pole, left=left) for place in places)
+        return np.inf
+    beyond = 0.0
+    for place in (int(low[-1]), top):
+        beyond = max(beyond, _beyond(values[:, max(0, place - reach) : place + reach], pole))
+        if beyond > LEFT_BY_WAVE:
+            return np.inf
+    return beyond
 
 
 def _scaled(signal: Signal, found: Identification) -> tuple[RealArray, int, complex] | None:
@@ -130,13 +138,13 @@ def _fewest(channels: int) -> int:
     return -(-WAVE_SAMPLES_EACH * (4 + 3 * channels) // channels)
 
 
-def _is_wave(values: RealArray, pole: complex, *, left: Ratio) -> bool:
-    """Return whether one wave explains a motion (channel, sample) down to noise of one and a small share."""
+def _beyond(values: RealArray, pole: complex) -> Ratio:
+    """Return the share of the energy of a motion (channel, sample) that one wave leaves beyond noise of one."""
     if values.shape[1] < _fewest(len(values)):
-        return False
+        return np.inf
     about = values - values.mean(axis=1, keepdims=True)
     noise = values.size - SURE * np.sqrt(2.0 * values.size)
-    return bool(_left_by_wave(values, pole * values.shape[1]) - noise <= left * np.sum(about**2))
+    return max(0.0, _left_by_wave(values, pole * values.shape[1]) - noise) / max(float(np.sum(about**2)), 1e-300)
 
 
 def _left_by_wave(values: RealArray, turn: complex) -> float:
