@@ -19,7 +19,7 @@ from suspid.identification.nonlinear.structure import StructureFit, structure_of
 FIRST = 6
 # Guesses of friction, each from the poles that the one before leads to, and the cycles of the slowest mode up to which
 # they are made: of masses that stop later, the start without friction leads to the best fit.
-GUESSES, CYCLES_GUESSED = 2, 6
+GUESSES, CYCLES_GUESSED = 2, 10
 # Steps of the motion up to which they are made: where friction holds masses, each step of a motion takes long.
 LONGEST_GUESSED = 1000
 # Loss per sample that a guess must gain for the next to be made: one that leads nowhere gains next to nothing.

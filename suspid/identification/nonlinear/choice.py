@@ -6,18 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
 from suspid.identification.nonlinear.descent import fitted
-from suspid.identification.nonlinear.driven import DrivenFit, maximize
-from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added
+from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.feedback import Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
+from suspid.identification.nonlinear.starts import beside_single, starts_of
 from suspid.identification.nonlinear.structure import StructureFit
-from suspid.units import ComplexArray
 
 # One more mode beside forces must lower the residual of a channel by this factor, unless it leaves only noise: a force
 # that is not quite the true one leaves a residual that further poles follow. Lower: distortions become modes. Higher:
@@ -26,8 +25,6 @@ REDUCTION = 2.5
 # Steps of the motion up to which structures are fitted, with friction, with friction where no force was found, and
 # channels: more take too long.
 LONGEST_FITTED, LONGEST_RUBBED, LONGEST_BLIND, MOST_MASSES = 4000, 3000, 1500, 3
-# Poles that differ by less than this share are the same start: steps of a fit go farther.
-ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 WITHIN_REACH = 0.5
 # Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
@@ -52,7 +49,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         return None
     best: StructureFit | None = None
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
-    for start in _starts(record, plain, bent):
+    for start in starts_of(record, plain, bent):
         for order, kind in _kinds(record, start, bent, highest):
             longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
@@ -61,11 +58,30 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
                 fit = begun(record, start, order, kind, highest=highest)
                 fit = fitted(fit) if fit.bic < highest + WITHIN_REACH * fit.residual.size else fit
                 best = fit if best is None or fit.bic < best.bic else best
+    best = best and _beside_another(record, plain, best, highest=highest)
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
     best = _with_modes(fitted(best), most)
     return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+
+
+def _beside_another(record: Record, plain: DrivenFit, best: StructureFit, *, highest: float) -> StructureFit:
+    """Return a structure, or a better one with another mode where a single one with friction does not explain a record.
+
+    Friction hides another mode from a linear fit, which has parts and multiples of the strong one instead.
+    """
+    count = record.values.shape[1]
+    if len(best.theta) > 1 or best.structures.kind is not ForceKind.FRICTION:
+        return best
+    others = np.array(next_poles(best.residual, best.variance, record.noise), complex)
+    for start in beside_single(record, plain, others):
+        if explains(best, highest):
+            break
+        if steps_of(start.drive.theta, count, ForceKind.FRICTION) <= LONGEST_BLIND:
+            fit = fitted(begun(record, start, best.order, ForceKind.FRICTION, highest=highest))
+            best = fit if fit.bic < best.bic else best
+    return best
 
 
 def _with_modes(fit: StructureFit, most: int) -> StructureFit:
@@ -87,69 +103,6 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
 def _sticks(bent: Bent, noise: WhiteNoise) -> bool:
     """Return whether a fit with forces has friction among them, or leaves more than noise."""
     return any(force.kind is ForceKind.FRICTION for force in bent.forces) or leaves_more(bent.fit, noise)
-
-
-def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
-    """Return the fits to start from: that of several modes with forces, and the linear one."""
-    starts = [bent.fit] if bent is not None and bent.count > 1 else []
-    strongest = _strongest(record, plain)
-    # From the same poles the same is found.
-    if not any(_alike(start.drive.theta, strongest.drive.theta) for start in starts):
-        starts = [*starts, strongest]
-    if len(strongest.drive.theta) == 1:
-        beside = _with_other(record, strongest)
-        starts = starts if beside is None else [beside, *starts]
-    return [start for start in starts if np.all(start.drive.theta.real < 0)]
-
-
-def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
-    """Return the fit of a single mode with the strongest other pole of the linear fit, one that is no multiple of it.
-
-    Parts of a mode that friction bends may be stronger than the next mode. Where all others lie at multiples, the next
-    mode may be one of them. None if there is no other.
-    """
-    weights = record.amplitudes / np.sqrt(alone.variance)
-    single = alone.amplitudes / np.sqrt(alone.variance)
-    others = np.flatnonzero((record.theta.imag > 0) & (record.theta.real < 0))
-    if not others.size:
-        return None
-    apart = np.abs(np.log(np.abs(record.theta[others] / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY)
-    if not apart.any():
-        return None
-    own = apart & [not repeated(complex(record.theta[k]), weights[k], alone.drive.theta, single) for k in others]
-    apart = own if own.any() else apart
-    decays = -record.theta.real[others]
-    energy = np.where(apart, np.sum(np.abs(weights[others]) ** 2, axis=1) / decays, 0.0)
-    theta = complex(record.theta[others[int(np.argmax(energy))]])
-    both = maximize(record.values, alone.drive.with_pole(theta), record.noise, steps=ROUGH_STEPS)
-    if both is None or both.bic >= alone.bic:
-        return None
-    # What forces do to a strong mode may draw the pole of a weak one away: then it is found beside the forces.
-    stray = np.min(np.abs(np.log(np.abs(both.drive.theta / theta))))
-    return both if stray < np.log(OTHER_FREQUENCY) else None
-
-
-def _alike(one: ComplexArray, other: ComplexArray) -> bool:
-    return len(one) == len(other) and bool(np.all(np.abs(one - other) < ALIKE * np.abs(other)))
-
-
-def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
-    """Return a linear fit, or that with its two strongest poles apart where it has more: others may be distortion."""
-    energy = np.sum(np.abs(plain.amplitudes) ** 2 / plain.variance, axis=1) * np.sum(np.abs(plain.states) ** 2, axis=1)
-    size = np.log(np.abs(plain.drive.theta))
-    kept = list[int]()
-    for index in np.argsort(-energy).tolist():
-        # The middle of a swing that moves with its size is no mode: it does not turn.
-        turns = plain.drive.theta[index].imag > -plain.drive.theta[index].real
-        if turns and len(kept) < 2 and np.all(np.abs(size[index] - size[kept]) > np.log(OTHER_FREQUENCY)):
-            kept.append(index)
-    fewer = plain.drive
-    for index in reversed(range(len(size))):
-        fewer = fewer if index in kept else fewer.without_pole(index)
-    less = None
-    if kept and fewer is not plain.drive:
-        less = maximize(record.values, fewer, record.noise, steps=ROUGH_STEPS)
-    return plain if less is None else less
 
 
 def _with_mode(fit: StructureFit) -> StructureFit | None:
