@@ -141,6 +141,20 @@ class TestRows:
         with pytest.raises(RecordError, match=r"1e\+09 s after row 500, 2.495 s"):
             read_clock(stamps, wave(np.arange(1000) / 200)[None])
 
+    @pytest.mark.parametrize("rate", [100.0, 887.0])
+    def test_those_after_the_clock_has_stopped_are_left_out(self, rate: float) -> None:
+        stamps = np.round(np.minimum(np.arange(1000), 599) / rate, 3)
+        clock = read_clock(stamps, wave(np.arange(1000) / rate)[None])
+        assert kinds(clock)[0] == "stopped clock"
+        assert clock.rows.tolist() == list(range(600))
+        assert clock.timepts[-1] == pytest.approx(599 / rate, abs=1e-3)
+
+    def test_coarse_stamps_do_not_stop(self) -> None:
+        stamps = np.floor(np.arange(1000) / 100)
+        clock = read_clock(stamps, wave(np.arange(1000) / 100)[None])
+        assert kinds(clock) == ["rounded stamps"]
+        assert clock.rows.size == 1000
+
     def test_those_without_a_stamp_are_missing(self) -> None:
         stamps = np.arange(500) / 100
         stamps[77] = np.nan

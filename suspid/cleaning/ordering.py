@@ -15,10 +15,15 @@ from suspid.words import Defect, Number
 
 # Latest possible time stamp [s].
 LATEST = 1e15
+# A clock has stopped where at least this many rows at the end have one stamp, more times this than elsewhere.
+STOPPED = 8
 
 
 def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
-    """Return the rows whose stamp is a number, without those at the ends whose stamps are far from all others."""
+    """Return the rows whose stamp is a number, without those at the ends whose stamps are far from all others.
+
+    Those after the clock has stopped have none of their own.
+    """
     rows = np.flatnonzero(np.abs(stamps) < LATEST)
     lost = stamps.size - rows.size
     if stamps.size < 2:
@@ -31,6 +36,10 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
     findings: tuple[Finding, ...] = ()
     if lost:
         findings = (found(Defect.NO_STAMP, stamps[rows][[0, -1]], lost),)
+    stopped = _stopped(stamps[rows])
+    if stopped:
+        findings = (*findings, found(Defect.STOPPED_CLOCK, stamps[rows][[-1]], stopped))
+        rows = rows[:-stopped]
     far = _far_ends(stamps[rows])
     if not np.any(far):
         return rows, findings
@@ -38,6 +47,15 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
     rows = rows[~far]
     numbers: dict[str, Number] = {"first": first, "left_out": True}
     return rows, (*findings, found(Defect.WRONG_STAMPS, stamps[rows][[0, -1]], int(np.sum(far)), numbers))
+
+
+def _stopped(times: RealArray) -> int:
+    """Return the number of rows at the end that repeat a stamp far more often than any other is repeated."""
+    borders = np.flatnonzero(np.diff(times, prepend=np.nan, append=np.nan) != 0)
+    runs = np.diff(borders)
+    if runs.size < 3:
+        return 0
+    return int(runs[-1]) - 1 if runs[-1] > STOPPED * max(1, int(np.max(runs[:-1]))) else 0
 
 
 def _far_ends(times: RealArray) -> NDArray[np.bool_]:

@@ -238,6 +238,15 @@ class Defect(Code):
         "missing rows",
         sentence(lambda n: f"{n['samples']} of {n['rows']} rows missing, in {_count(n, 'place', 'places')}"),
     )
+    STOPPED_CLOCK = (
+        "stopped clock",
+        sentence(
+            lambda n: (
+                f"the clock stopped: {_count(n, 'row')} at the end repeat its last stamp; left out. "
+                f"{Argument('time', 'none')} and {Argument('fs')} keep them, if the rows are regular"
+            )
+        ),
+    )
     NO_STAMP = "no stamp", sentence(lambda n: f"{_count(n, 'row')} without a time stamp dropped")
     REPEATED_ROWS = (
         "repeated rows",
