@@ -133,8 +133,9 @@ class TestLightDecays:
         swing = 10 * np.exp(-0.0027 * time) * np.cos(3.895 * time - 0.05 * np.exp(-time / 20) + 0.3)
         values = np.outer([1.0, 0.8], swing + 0.1 * np.cos(4.268 * time)) + 0.02 * rng.standard_normal((2, time.size))
         found = analyse(as_response(time, values, ["left", "right"]))
-        assert found.verdict.level is Level.DOUBTFUL
+        assert found.verdict.level is Level.CARE
         assert found.modes.wn == pytest.approx([3.895], rel=1e-3)
+        assert found.modes.zeta == pytest.approx([0.0027 / 3.895], rel=0.05)
         assert Reason.UNSUPPORTED in {each.remark.code for each in found.identification.considered}
 
 

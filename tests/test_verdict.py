@@ -252,6 +252,17 @@ class TestPoles:
         kept = replace(pole, removed=False)
         assert not said(verdict_of(replace(found, considered=(kept,))), ModeCheck.HARMONICS)
 
+    @pytest.mark.parametrize(("apart", "loud", "said_so"), [(0.5, 9.0, True), (0.5, 1.0, False), (2.5, 9.0, False)])
+    def test_two_modes_within_a_line_may_be_parts_of_one(self, apart: float, loud: float, *, said_so: bool) -> None:
+        """Beside white noise they are two; beside a residual near them they may be one that bends."""
+        poles = np.array([-1.0 + 40.0j, -0.4 + 1j * (40.0 + apart)])
+        modes = ModalSet(poles=poles, shapes=np.ones((1, 2), complex), channels=("y",))
+        time = np.asarray(STEP * np.arange(1000), float)
+        record = as_response(time, np.real(np.exp(np.outer(time, poles)).sum(axis=1))[None], ["y"])
+        one = replace(identify(record), modes=modes, loudness=np.full(2, loud), forces=(), considered=())
+        checks = said(verdict_of(one), ModeCheck.PARTS)
+        assert [check.level for check in checks] == [Level.DOUBTFUL] * said_so
+
     def test_modes_that_the_halves_do_not_tell_are_named(
         self, found: Identification, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -412,3 +423,14 @@ def test_many_channels_fit_a_screen() -> None:
     (check,) = said(found.verdict, ModeCheck.CHANNELS_UNEXPLAINED)
     assert str(check.remark).count("%") == 6
     assert " others. They carry noise" in str(check.remark)
+
+
+@pytest.mark.parametrize(("cycles", "pulse"), [(20.0, False), (3.0, True)])
+def test_a_mode_that_swings_many_times_is_no_pulse(cycles: float, pulse: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One channel moves alike by itself; where neither half tells the damping, a few cycles may be a pulse."""
+    time = np.arange(1000) / 100
+    values = np.exp(-0.05 * time) * np.cos(2 * np.pi * cycles / 10 * time)
+    noise = 0.01 * np.random.default_rng(2).standard_normal(time.size)
+    one = identify(as_response(time, (values + noise)[None], ["y"]), modes=1)
+    monkeypatch.setattr(Identification, "halves", property(lambda _: np.full(1, np.nan)))
+    assert bool(said(verdict_of(one), ModeCheck.ONE_SHAPE)) is pulse

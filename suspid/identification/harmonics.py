@@ -14,8 +14,8 @@ from suspid.model import ModalSet
 from suspid.words import Reason
 
 # A harmonic has at most this share of the amplitude of its mode, and is at most the seventh: beyond that one lies near
-# every frequency.
-WEAK, HIGHEST = 0.2, 7
+# every frequency, unless that is known so well that chance hits one as rarely as the third number says.
+WEAK, HIGHEST, BY_CHANCE = 0.2, 7, 0.05
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
 PRECISE = 0.01
@@ -67,7 +67,7 @@ def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
         return int(np.argmin(np.abs(np.log(rates / abs(pole))))) + 1, 0
     ratios = np.abs(pole.imag) / np.maximum(np.abs(modes.poles.imag), 1e-300)
     multiples = np.round(ratios)
-    strays = np.where((multiples > 1) & (multiples <= HIGHEST), np.abs(ratios / np.maximum(multiples, 1) - 1), np.inf)
+    strays = np.where(multiples > 1, np.abs(ratios - multiples) / np.maximum(np.minimum(multiples, HIGHEST), 1), np.inf)
     mode = int(np.argmin(strays))
     return mode + 1, int(multiples[mode])
 
@@ -131,9 +131,11 @@ def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
     """Return whether the other mode turns at a multiple of one and decays between once and that multiple as fast."""
     first, second = complex(modes.poles[one]), complex(modes.poles[other])
     multiple = round(second.imag / first.imag) if first.imag > 0 else 1
-    if multiple == 1 or multiple > HIGHEST:
+    if multiple == 1:
         return False
     off = _std(modes, one, other, 1, multiple)
+    if multiple > HIGHEST and 2 * SURE * off > BY_CHANCE * first.imag:
+        return False
     if multiple:
         known = off < PRECISE * second.imag and abs(second.imag - multiple * first.imag) < SURE * off
     else:

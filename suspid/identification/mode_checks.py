@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.identification.fitting import BENT
+from suspid.identification.noise import LOUD
 from suspid.levels import SURE
 from suspid.samples import held
 from suspid.signals import as_signal
@@ -75,6 +77,18 @@ def check_resolution(found: Identification) -> Iterator[Check]:
     modes = sorted({int(np.argmin(np.abs(found.modes.poles - pole))) + 1 for pole in partners})
     if modes:
         yield check_of(ModeCheck.UNRESOLVED, Level.CARE, {"modes": tuple(modes)})
+
+
+def check_parts(found: Identification) -> Iterator[Check]:
+    """Check that no two modes lie as near each other as the parts of one that bends, where the fit leaves them loud."""
+    poles, loud = found.modes.poles, (found.loudness > LOUD) & (found.modes.poles.imag > 0)
+    if found.forces:
+        return
+    widths = np.maximum(np.abs(poles.real)[:, None], np.abs(poles.real))
+    near = (np.abs(poles[:, None] - poles) < BENT * widths) & loud[:, None] & loud & ~np.eye(len(poles), dtype=bool)
+    parts = numbers_of(np.asarray(np.sum(near, axis=1) > 0))
+    if parts:
+        yield check_of(ModeCheck.PARTS, Level.DOUBTFUL, {"modes": parts})
 
 
 def check_followed(found: Identification) -> Iterator[Check]:

@@ -140,6 +140,15 @@ class ModeCheck(Code):
             )
         ),
     )
+    PARTS = (
+        "parts",
+        sentence(
+            lambda n: (
+                f"{_modes(n['modes']).capitalize()} lie within the width of one line, and what is left near them is no "
+                f"noise: they may be one mode that is not linear."
+            )
+        ),
+    )
     HARMONICS = (
         "harmonics",
         "Harmonics of the modes decay with them: a spring, damper or sensor is nonlinear. The values are those of "

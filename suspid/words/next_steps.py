@@ -163,6 +163,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.HARMONICS: NextStep.TWO_AMPLITUDES,
     ModeCheck.REPEATS_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.UNRESOLVED: NextStep.TWO_AMPLITUDES,
+    ModeCheck.PARTS: NextStep.TWO_AMPLITUDES,
     ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
     ModeCheck.SHARED_NOISE: NextStep.CHANNELS,
     ModeCheck.OUT_OF_PHASE: NextStep.CHANNELS,
