@@ -33,6 +33,24 @@ class TestTwoMasses:
         (used,) = found.used
         assert record.start <= used.start < record.start + period
 
+    # Of a decay of seven cycles the last alone looks like one, and has no doubts; a spring that stiffens leaves the
+    # first two; of two cycles before a dead stop the second shows one mode.
+    @pytest.mark.parametrize(
+        ("kind", "seed"),
+        [("friction", 5300029), ("cubic", 5300016), pytest.param("friction", 5300200, marks=pytest.mark.slow)],
+    )
+    def test_all_of_the_motion_is_used(self, kind: str, seed: int, tmp_path: Path) -> None:
+        record = rigs.release(kind, 2, seed=seed)
+        rigs.write(record, tmp_path / "release.csv")
+        found = analyse(tmp_path / "release.csv")
+        outcome = rigs.judged(record, found)
+        assert outcome.right
+        assert abs(outcome.wn) < 0.002
+        period = 2 * np.pi / float(record.rig.wn[0])
+        (used,) = found.used
+        assert used.start < record.start + 0.1 * period
+        assert used.stop > min(record.stop, float(record.stamps[-1])) - 0.2 * period
+
     @pytest.mark.slow
     def test_no_motion_is_computed_beyond_the_nyquist_frequency(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

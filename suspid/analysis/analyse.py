@@ -12,7 +12,7 @@ from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels
-from suspid.analysis.means import with_means
+from suspid.analysis.means import with_means, with_means_of_longest
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
@@ -120,6 +120,7 @@ def analyse(
         stretch = with_means(record, stretch_of(record, settings), settings)
         if car is None:
             stretch = with_fewer_channels(record, stretch, settings, stretch_of)
+        stretch = with_means_of_longest(record, stretch, settings)
         begin(STEPS[2])
         identification, repeats, stretch = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]

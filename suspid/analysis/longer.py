@@ -8,12 +8,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from suspid.analysis.choice import explained_by_forces, settled, tried
+from suspid.analysis.choice import explained_by_forces, explains, settled, tried
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import Decay, Decays, releases_before
+from suspid.decays import Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification
 from suspid.levels import NORMAL_95
 from suspid.records import cut
@@ -36,36 +37,47 @@ MOVES = 15.0
 # A mode is well known if the standard deviations of its frequency and of its damping ratio are below these shares. A
 # mode of a longer decay that is not is no gain.
 KNOWN_WN, KNOWN_ZETA = 0.01, 0.25
-# A release is looked for before a decay within this multiple of its length: a fast mode has died after fewer.
-BEFORE_DECAY = 3.0
+# A release is looked for before a decay within this multiple of its length, after which a fast mode has died, and
+# within this number of periods of the slowest: friction bends a motion until only its last cycles look like a decay.
+BEFORE_DECAY, BEFORE_PERIODS = 3.0, 20.0
 # Doubts that end with the first of two decays that are joined.
 OF_LENGTH = frozenset({DecayDoubt.CUT_OFF, DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 
 
 def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
     """Return the longer decay of which the best one is a part, if that shows more of its modes."""
-    decays = best.decays
-    if len(best.used) != 1 or not isinstance(decays, Decays):
-        return best
-    signal = as_signal(record)
-    before = _before(best.used[0], decays, signal)
-    released = _released(record, best.used[0], min(decay.start for decay in (best.used[0], *before)))
-    for decay in _longer_decays(best.used[0], decays, before=before, released=released, end=float(signal.timepts[-1])):
-        earlier = decay.start < best.used[0].start
-        if not earlier:
-            best = with_identification(best, settings)
-            if not _goes_on(best.identification, _after(signal, best)):
-                continue
-        more = with_identification(used_of(record, decays, decay), settings)
-        found = more.identification
-        if found is None:
+    for decay in _earlier(record, best):
+        more = with_identification(used_of(record, best.decays, decay), settings)
+        if more.identification is None:
             continue
-        if earlier and best.identification is None and _shows_all(found, best.used[0]):
-            return more
+        shown = best.identification is None and _shows_all(more.identification, best.used[0])
+        if not shown:
+            best = with_identification(best, settings)
+            shown = _shows_more(more.identification, best.identification)
+        if shown:
+            best = more
+            break
+    for decay in _later(record, best):
         best = with_identification(best, settings)
-        if _shows_more(found, best.identification):
+        if not _goes_on(record, best).any():
+            continue
+        more = with_identification(used_of(record, best.decays, decay), settings)
+        if more.identification is not None and _shows_more(more.identification, best.identification):
             return more
     return best
+
+
+def longest(record: control.TimeResponseData, best: Used) -> Used | None:
+    """Return the longest decay of which the one that is used may be a part; None where it is no part of another.
+
+    Where a channel has stopped, none ends later.
+    """
+    starts, later = [one.start for one in _earlier(record, best)], list(_later(record, best))
+    later = later if later and _goes_on(record, best).all() else []
+    if not (starts or later):
+        return None
+    last = max([best.used[0], *later], key=lambda decay: decay.stop)
+    return used_of(record, best.decays, replace(last, start=min([last.start, *starts])))
 
 
 def with_identification(used: Used, settings: Settings) -> Used:
@@ -78,7 +90,8 @@ def _released(record: control.TimeResponseData, used: Decay, first: Second) -> t
 
     A look at all of a long recording would cost too much.
     """
-    earliest = max(as_signal(record).start, first - BEFORE_DECAY * (used.stop - first))
+    reach = max(BEFORE_DECAY * (used.stop - first), BEFORE_PERIODS * _period(used))
+    earliest = max(as_signal(record).start, first - reach)
     return releases_before(as_signal(cut(record, start=earliest, stop=used.stop)), first)
 
 
@@ -98,30 +111,57 @@ def _before(used: Decay, decays: Sequence[Decay], signal: Signal) -> list[Decay]
     ]
 
 
-def _longer_decays(
-    used: Decay, decays: Sequence[Decay], *, before: Sequence[Decay], released: Sequence[Second], end: Second
-) -> Iterator[Decay]:
-    """Yield longer decays: the one that is used from where the motion before it was let go, then those before it.
+def _earlier(record: control.TimeResponseData, best: Used) -> Iterator[Decay]:
+    """Yield longer decays that begin earlier: where the motion before was let go, then where those before it begin.
 
-    Then it joined to the next where it is cut off, and continued to the last sample of the record where no other was
-    found: what fills it has no background to meet.
+    First that from where it was let go to where all channels rest, if they do: it is all of the motion.
     """
+    if len(best.used) != 1 or not isinstance(best.decays, Decays):
+        return
+    signal, used = as_signal(record), best.used[0]
+    before = _before(used, best.decays, signal)
+    released = _released(record, used, min(decay.start for decay in (used, *before)))
+    rest = rests_from(signal)
+    if used.stop < rest < signal.timepts[-1] and not _followed(signal, best):
+        yield from (replace(_to_the_end(used, rest), start=start) for start in released)
     yield from (replace(used, start=start) for start in released if start < used.start - EARLIER * _period(used))
     yield from before
+
+
+def _later(record: control.TimeResponseData, best: Used) -> Iterator[Decay]:
+    """Yield longer decays that end later: joined to the next where the one that is used is cut off.
+
+    Then continued to where all channels rest, or to the last sample, where no other motion follows: what fills a record
+    has no background to meet.
+    """
+    if len(best.used) != 1 or not isinstance(best.decays, Decays):
+        return
+    signal, used = as_signal(record), best.used[0]
+    end = rests_from(signal)
     if any(doubt.code is DecayDoubt.CUT_OFF for doubt in used.doubts):
-        after = [
-            d for d in decays if used.start < d.start <= used.stop + SHORT_PAUSE * _period(used) and d.stop > used.stop
-        ]
-        yield from (_until(used, decay.stop) for decay in after)
-    if len(decays) == 1 and end > used.stop:
-        yield _until(used, end)
+        near = used.stop + SHORT_PAUSE * _period(used)
+        yield from (_until(used, decay.stop) for decay in _after_it(best) if decay.start <= near)
+    if end > used.stop and not _followed(signal, best):
+        yield _to_the_end(used, end)
 
 
-def _goes_on(found: Identification | None, after: RealArray) -> bool:
-    """Return whether the samples after a decay (channel, sample) move more than what the fit to it leaves."""
-    if found is None or not after.shape[1]:
-        return found is None
-    return bool(np.any(np.ptp(after, axis=1) > MOVES * found.noise_std))
+def _after_it(best: Used) -> list[Decay]:
+    """Return the decays that begin and end after the one that is used does."""
+    used = best.used[0]
+    return [decay for decay in best.decays if decay.start > used.start and decay.stop > used.stop]
+
+
+def _followed(signal: Signal, best: Used) -> bool:
+    """Return whether other motion follows the decay that is used, and not only its end."""
+    return not all(_continued(signal, best.used[0], decay) for decay in _after_it(best))
+
+
+def _goes_on(record: control.TimeResponseData, best: Used) -> NDArray[np.bool_]:
+    """Return which channels move after a decay by more than what the fit to it leaves, (channel,)."""
+    after = _after(as_signal(record), best)
+    if best.identification is None or not after.shape[1]:
+        return np.full(len(after), best.identification is None)
+    return np.asarray(np.ptp(after, axis=1) > MOVES * best.identification.noise_std)
 
 
 def _shows_more(longer: Identification, found: Identification | None) -> bool:
@@ -139,7 +179,7 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     modes = found.modes
     apart = np.min(np.abs(modes.poles[:, None] - longer.modes.poles), axis=1)
     unknown = np.zeros(len(modes)) if modes.wn_std is None else NORMAL_95 * modes.wn_std
-    kept = bool(np.all(apart < np.maximum(SAME_POLE * modes.wn, unknown)))
+    kept = bool(np.all(apart < np.maximum(SAME_POLE * modes.wn, unknown))) or explains(longer, found)
     more = _known(longer) - _known(found)
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
 
@@ -169,6 +209,12 @@ def shared_modes(found: Sequence[Identification | None]) -> list[float]:
 def _until(decay: Decay, stop: Second) -> Decay:
     """Return a decay that ends later."""
     return replace(decay, stop=stop, doubts=tuple(doubt for doubt in decay.doubts if doubt.code not in OF_LENGTH))
+
+
+def _to_the_end(decay: Decay, stop: Second) -> Decay:
+    """Return a decay that goes on to the end of a record: what was taken for a background is part of it."""
+    doubts = tuple(doubt for doubt in decay.doubts if doubt.code is not DecayDoubt.BACKGROUND)
+    return _until(replace(decay, doubts=doubts), stop)
 
 
 def _known(found: Identification) -> int:

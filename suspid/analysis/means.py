@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.analysis.choice import level_of, tried
 from suspid.analysis.forced_start import SAME_POLE
-from suspid.analysis.longer import with_identification
+from suspid.analysis.longer import longest, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.used import Used, used_of
@@ -18,7 +18,7 @@ from suspid.decays import Decays, block_means, by_chance
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import like
 from suspid.signals import as_signal
-from suspid.units import RadianPerSecond
+from suspid.units import RadianPerSecond, Second
 from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
@@ -36,18 +36,14 @@ def with_means(record: control.TimeResponseData, used: Used, settings: Settings)
     """Return the part of a record that is used of means over several samples, if that of all samples is doubtful.
 
     In means over blocks of two lengths the same modes must be found, neither be doubtful, and no mode be damped before
-    it swings.
+    it swings. Where the decay that is used does not agree with itself, others are tried.
     """
-    if settings.decay != "auto" or settings.method != "likelihood" or len(used.used) > 1:
-        return used
-    used = with_identification(used, settings)
-    if used.identification is not None and level_of(used.identification, used.used, used.decays) > Level.DOUBTFUL:
-        return used
-    for part in _parts(record, used):
-        agreed = _agreed(part, settings)
-        if agreed is not None:
-            return agreed
-    return used
+    return _of_parts(used, settings, _parts(record, used))
+
+
+def with_means_of_longest(record: control.TimeResponseData, used: Used, settings: Settings) -> Used:
+    """Return the same of the longest decay of which the one that is used may be a part, if there is one."""
+    return _of_parts(used, settings, (part for part in (longest(record, used),) if part is not None))
 
 
 def means_of(record: control.TimeResponseData, size: int) -> control.TimeResponseData:
@@ -67,6 +63,16 @@ def means_of(record: control.TimeResponseData, size: int) -> control.TimeRespons
     return like(record, np.asarray(times), values, signal.channels, title=title)
 
 
+def _of_parts(used: Used, settings: Settings, parts: Iterable[Used]) -> Used:
+    """Return means of the first of several parts that agree with themselves, where what is used is doubtful."""
+    if settings.decay != "auto" or settings.method != "likelihood" or len(used.used) > 1:
+        return used
+    used = with_identification(used, settings)
+    if used.identification is not None and level_of(used.identification, used.used, used.decays) > Level.DOUBTFUL:
+        return used
+    return next((agreed for part in parts if (agreed := _agreed(part, settings)) is not None), used)
+
+
 def _parts(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
     """Yield the part that is used, and other decays."""
     yield used
@@ -79,7 +85,8 @@ def _agreed(part: Used, settings: Settings) -> Used | None:
     """Return the means over the shorter of two blocks that show the same modes; None if no two do."""
     signal, fastest = as_signal(part.record), _fastest(part)
     before = list[tuple[Used, Identification]]()
-    for size in dict.fromkeys(int(2 * np.pi / (each * fastest * signal.step)) for each in LEFT_PER_CYCLE):
+    sizes = _sizes(fastest, signal.step)
+    for size in sizes:
         if size < 2 or signal.values.shape[1] < FEWEST_SAMPLES * size:
             continue
         means = means_of(part.record, size)
@@ -89,9 +96,18 @@ def _agreed(part: Used, settings: Settings) -> Used | None:
         same = next((one for one, other in before if _same(other, found)), None)
         if same is not None:
             return same
+        # What forces leave at each sample may have been the fastest mode, and is gone in means.
+        slower = float(np.max(found.modes.wn))
+        if slower * LEFT_PER_CYCLE[0] < fastest * LEFT_PER_CYCLE[1]:
+            sizes += [more for more in _sizes(slower, signal.step) if more not in sizes]
         note = Remark(Note.MEANS, {"size": size, "rate": 1 / (size * signal.step)})
         before.append((replace(part, record=means, identification=found, notes=(note, *part.notes)), found))
     return None
+
+
+def _sizes(fastest: RadianPerSecond, step: Second) -> list[int]:
+    """Return the numbers of samples of which means are taken."""
+    return list(dict.fromkeys(int(2 * np.pi / (each * fastest * step)) for each in LEFT_PER_CYCLE))
 
 
 def _fastest(part: Used) -> RadianPerSecond:

@@ -144,7 +144,8 @@ def _beyond(values: RealArray, pole: complex) -> Ratio:
         return np.inf
     about = values - values.mean(axis=1, keepdims=True)
     noise = values.size - SURE * np.sqrt(2.0 * values.size)
-    return max(0.0, _left_by_wave(values, pole * values.shape[1]) - noise) / max(float(np.sum(about**2)), 1e-300)
+    more = _left_by_wave(values, pole * values.shape[1]) - float(noise)
+    return max(0.0, more) / max(float(np.sum(about**2)), 1e-300)
 
 
 def _left_by_wave(values: RealArray, turn: complex) -> float:

@@ -29,7 +29,7 @@ class Used:
     identification: Identification | None = None  # of the record, where it was needed for the choice
 
 
-def used_of(record: control.TimeResponseData, decays: Decays, best: Decay) -> Used:
+def used_of(record: control.TimeResponseData, decays: Decays | tuple[Decay, ...], best: Decay) -> Used:
     """Return a decay of a record as the part that is used, without clipped samples at its start and still channels."""
     best = past_clipping(record, best)
     used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})

@@ -11,7 +11,7 @@ again).
 from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
 from suspid.decays.others import SAME_MODE, in_common
-from suspid.decays.predictions import releases_before
+from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, block_means, unexplained
@@ -32,5 +32,6 @@ __all__ = [
     "find_decays",
     "in_common",
     "releases_before",
+    "rests_from",
     "unexplained",
 ]

@@ -113,6 +113,20 @@ def releases_before(signal: Signal, time: Second) -> tuple[Second, ...]:
     return tuple(each for each in times if each < time)
 
 
+def rests_from(signal: Signal) -> Second:
+    """Return the time from which on every channel rests within its resolution; the last time where one moves.
+
+    Examples
+    --------
+    >>> time = np.arange(300.0)
+    >>> stopped = np.where(time < 200, np.cos(0.1 * time), np.cos(20.0))[None].round(4)
+    >>> rests_from(Signal(start=0.0, step=0.01, values=stopped, channels=("mass",)))
+    2.0
+    """
+    first = at_rest_from(signal.values, finest_of(signal.values))
+    return float(signal.timepts[min(first, signal.values.shape[1] - 1)])
+
+
 def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int, int]:
     """Return between which samples the motion becomes free: the first that may be, and the first that is.
 
