@@ -21,7 +21,7 @@ from suspid import (
     read_recording,
     statespace,
 )
-from suspid.identification import resolution
+from suspid.identification import identify_linear, resolution
 from suspid.records import as_response
 from suspid.signals import as_signal
 from validation import cars, decays, rigs
@@ -181,3 +181,14 @@ def test_where_rounding_moves_the_start_the_intervals_hold_both(seed: int) -> No
     assert other.zeta_std is not None
     assert np.all(np.abs(one.wn - other.wn) < 1.96 * np.hypot(one.wn_std, other.wn_std))
     assert np.all(np.abs(one.zeta - other.zeta) < 1.96 * np.hypot(one.zeta_std, other.zeta_std))
+
+
+def test_how_samples_stand_in_memory_does_not_matter() -> None:
+    """Sums of samples in columns are taken in another order than sums of those in rows."""
+    record = rig("friction", 2)
+    signal = as_signal(record)
+    rows, columns = (
+        identify_linear(as_response(signal.timepts, np.array(signal.values, order=order), signal.channels)).modes.poles
+        for order in ("C", "F")
+    )
+    assert rows.tolist() == columns.tolist()

@@ -155,7 +155,10 @@ def _steps(
 
 def _centred(signal: Signal) -> RealArray:
     """Return the samples less their means, or refuse channels that are constant or clipped."""
-    centred = signal.values - signal.values.mean(axis=1, keepdims=True)
+    # Sums depend on how samples stand in memory.
+    in_rows = signal.values.strides[1] == signal.values.itemsize
+    values = signal.values if in_rows else np.ascontiguousarray(signal.values)
+    centred = values - values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
         if not max(about.max(), -about.min()) > ROUNDING * max(samples.max(), -samples.min()):
             raise IdentificationError(f"channel {name!r} is constant: it contains no decay; leave it out")
