@@ -376,3 +376,15 @@ class TestBegun:
         found, made = self.fits(truth, 100, monkeypatch)
         assert len(made) > 4
         assert found.bic == min(fit.bic for fit in made)
+
+
+# Masses that stop before their second or third cycle: friction promises nothing beside a linear fit, and first steps
+# from it say little.
+@pytest.mark.parametrize("seed", [5300116, pytest.param(5300303, marks=pytest.mark.slow)])
+def test_friction_that_stops_masses_soon_is_tried(seed: int, tmp_path: Path) -> None:
+    record = rigs.release("friction", 2, seed=seed)
+    rigs.write(record, tmp_path / "release.csv")
+    outcome = rigs.judged(record, analyse(tmp_path / "release.csv"))
+    assert outcome.right
+    assert abs(outcome.wn) < 0.002
+    assert abs(outcome.zeta) < 0.05

@@ -56,7 +56,10 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
                 continue
             if best is None or not explains(best, highest):
                 fit = begun(record, start, order, kind, highest=highest)
-                fit = fitted(fit) if fit.bic < highest + WITHIN_REACH * fit.residual.size else fit
+                within = fit.bic < highest + WITHIN_REACH * fit.residual.size
+                # First steps tell little of friction that stops masses soon.
+                soon = kind is ForceKind.FRICTION and stops_soon(record, start)
+                fit = fitted(fit) if within or soon else fit
                 best = fit if best is None or fit.bic < best.bic else best
     best = best and _beside_another(record, plain, best, highest=highest)
     # Where no force was found before, more than a few steps must not be needed.
@@ -148,7 +151,7 @@ def _joined(fit: StructureFit, theta: complex) -> StructureFit:
 def _kinds(record: Record, plain: DrivenFit, bent: Bent | None, highest: float) -> list[tuple[int, ForceKind]]:
     """Return the orders of the channels and kinds of force worth trying: those found, or those that promise most.
 
-    None where none is found and what they promise is far above the highest BIC.
+    Where none is found and what they promise is far above the highest BIC, none but friction that stops masses soon.
     """
     if bent is not None:
         worths = dict.fromkeys((force.kind for force in bent.forces), 0.0)
@@ -171,10 +174,11 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None, highest: float) 
     most = min(plain.bic, highest + PROMISED_REACH * record.values.size)
     best = sorted((trial for trial in trials if trial.fit.promised < most), key=lambda trial: trial.fit.promised)
     kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS_TRIED]
-    # Friction that stops masses soon promises little beside the poles of a linear fit.
-    if best and stops_soon(record, plain):
+    # Friction that stops masses soon promises little beside the poles of a linear fit, or nothing.
+    if stops_soon(record, plain):
         kinds = list(dict.fromkeys([*kinds, ForceKind.FRICTION]))
-    return [(order, kind) for kind in kinds for order in sorted({0, best[0].order})]
+    orders = {0, best[0].order} if best else {0}
+    return [(order, kind) for kind in kinds for order in sorted(orders)]
 
 
 def _needed(fit: StructureFit) -> StructureFit:
