@@ -5,6 +5,7 @@ A mode that is returned from such a record is false. Each kind is drawn from its
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 
@@ -17,7 +18,8 @@ from suspid.units import RealArray
 
 # Seeds that were not used during development.
 FIRST_SEED = 760_000
-SEEDS = 100
+# Records of each kind.
+SEEDS = int(os.environ.get("SUSPID_SEEDS", "100"))
 
 Drawn = tuple[RealArray, RealArray]
 
