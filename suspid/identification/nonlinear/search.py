@@ -153,16 +153,15 @@ def _shifting(record: Record, turn: float, most: int) -> Bent | None:
     They are found where a pole explains nearly all, in the beginning, and followed on from there. The frequency of the
     linear fit [rad per sample] lies among those of the mode.
     """
-    # Steps of a fit may go beyond the Nyquist frequency, where no motion is seen.
-    if turn > np.pi:
-        return None
     factor = max(1, int(2 * np.pi / (PER_CYCLE * turn)))
     used = record if factor == 1 else record.thinned(factor, record.values.shape[1])
     count, least = used.values.shape[1], FEWEST_CYCLES * 2 * np.pi / (turn * factor)
     while count <= most and (count := count // 2) > least:
         short = used.begun(count)
         plain, _ = _linear_modes(short, 1)
-        if plain is not None and plain.drive.theta[0].imag < np.pi and _explained(plain) > EACH_EXPLAINED:
+        # Steps of a fit may go beyond the Nyquist frequency, where no motion is seen.
+        seen = plain is not None and plain.drive.theta[0].imag < np.pi
+        if plain is not None and seen and _explained(plain) > EACH_EXPLAINED:
             found = lengthened(used, plain)
             found = found if factor == 1 or found is None else at_full_rate(record, found, factor, turn)
             return found if found is not None and _explained(found.fit) > EACH_EXPLAINED else None
