@@ -8,13 +8,14 @@ import pytest
 from scipy.stats import binom
 
 from suspid import Identification, Level, Settings, analyse, identify
+from suspid.analysis.choice import level_of
 from suspid.analysis.support import _coherent, supported
 from suspid.analysis.used import Used
 from suspid.decays import Decay
 from suspid.identification import Force, ForceKind
 from suspid.records import as_response
 from suspid.signals import as_signal
-from suspid.words import DecayDoubt, Note, Number, Reason, Remark
+from suspid.words import DecayDoubt, DecayKind, Note, Number, Reason, Remark
 from validation import no_decay
 
 HERTZ = 1.5
@@ -195,3 +196,14 @@ def test_at_most_one_record_of_forced_motion_in_twenty_has_modes(kind: str) -> N
     assert sum(no_decay.outcome(kind, seed)[3] for seed in range(1_210_000, 1_210_000 + records)) <= binom.ppf(
         0.999, records, 0.05
     )
+
+
+@pytest.mark.parametrize(("kind", "level"), [(None, Level.DOUBTFUL), (DecayKind.RELEASE, Level.CARE)])
+def test_what_never_swings_must_have_been_let_go(kind: DecayKind | None, level: Level) -> None:
+    """The end of a pulse of force falls as a mass that creeps back does."""
+    time = np.arange(400) / 100
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = identify(as_response(time, (np.exp(-2 * time) + noise)[None], ["seat"]))
+    assert found.modes.kinds == ("real",)
+    used = (replace(decay(0.0, 0.3), kind=kind),)
+    assert level_of(found, used, used) is level

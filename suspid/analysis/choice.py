@@ -134,7 +134,14 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
         for doubt in decay.doubts
         if doubt.code not in answered
     )
-    return (*own, *_not_repeated(decay, found, decays))
+    return (*own, *_never_swings(decay, found), *_not_repeated(decay, found, decays))
+
+
+def _never_swings(decay: Decay, found: Identification) -> tuple[Check, ...]:
+    """Return the doubt that real poles alone were found in a stretch that was not seen to be let go."""
+    if not len(found.modes) or np.any(found.modes.poles.imag) or decay.kind is not None:
+        return ()
+    return (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)
 
 
 def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:

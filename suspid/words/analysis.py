@@ -166,6 +166,11 @@ class RecordCheck(Code):
         "{unlike} of the {others} other stretches that look like decays show none of these modes: the recording may be "
         "driven throughout, and this stretch may look like a decay by chance.",
     )
+    NEVER_SWINGS = (
+        "never swings",
+        "Nothing swings in the stretch that is used, and no hold or step before it was seen: the end of a pulse looks "
+        "the same.",
+    )
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     FEWER_CHANNELS = (
         "fewer channels",
