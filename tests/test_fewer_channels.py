@@ -35,7 +35,8 @@ def written(path: Path, *channels: np.ndarray, names: tuple[str, ...] = ("Encode
     return path
 
 
-@pytest.mark.parametrize("seed", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 3])
 def test_a_sensor_that_hardly_moves_is_left_out(seed: int, tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "two.csv", swing(), touched(seed)))
     alone = analyse(written(tmp_path / "one.csv", swing()))

@@ -21,20 +21,24 @@ def reasons(one: Identification) -> dict[int, str]:
 
 
 class TestFarMultiples:
-    """Beyond the seventh a multiple lies near every frequency: it must be known far better than that."""
+    """Beyond the seventh one lies near every frequency: it must be known far better than that, beside a nearer one."""
 
     def test_one_that_is_known_well_is_none(self) -> None:
-        one = found([3.0, 36.0], [1.0, 0.02], [0.2, 0.5])
+        one = found([3.0, 15.0, 36.0], [1.0, 0.02, 0.02], [0.2, 0.5, 0.5])
         assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0]
         assert reasons(one)[36].startswith("12 times mode 1")
 
     def test_beside_it_is_a_mode(self) -> None:
-        one = found([3.0, 36.4], [1.0, 0.02], [0.2, 0.5])
+        one = found([3.0, 15.0, 36.4], [1.0, 0.02, 0.02], [0.2, 0.5, 0.5])
         assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0, 36.4]
+
+    def test_without_a_nearer_one_it_is_a_mode(self) -> None:
+        one = found([3.0, 36.0], [1.0, 0.02], [0.2, 0.5])
+        assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0, 36.0]
 
     def test_one_that_is_hardly_known_is_a_mode(self) -> None:
         """Its interval is as wide as a twentieth of the way from one multiple to the next."""
-        one = found([3.0, 36.0], [1.0, 2e-4], [0.2, 2.0])
+        one = found([3.0, 15.0, 36.0], [1.0, 0.02, 2e-4], [0.2, 0.5, 2.0])
         assert np.round(one.modes.wn / (2 * np.pi)).tolist() == [3.0, 36.0]
 
 

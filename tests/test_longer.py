@@ -16,13 +16,8 @@ class TestTwoMasses:
     # Parts of one decay: its end alone, of two that overlap the later one, of one that is cut off where the fast mode
     # has died, of two with a pause between them, of one that is found late, and of one that is found late after others.
     # All are files of the simulator in `validation`, which shares nothing with the library.
-    @pytest.mark.parametrize(
-        "seed",
-        [
-            3000003,
-            *(pytest.param(more, marks=pytest.mark.slow) for more in (3000011, 3000020, 3000043, 3000052, 3200032)),
-        ],
-    )
+    @pytest.mark.slow
+    @pytest.mark.parametrize("seed", [3000003, 3000011, 3000020, 3000043, 3000052, 3200032])
     def test_both_modes_are_found_from_the_release_on(self, seed: int, tmp_path: Path) -> None:
         record = rigs.release("bilinear", 2, seed=seed)
         rigs.write(record, tmp_path / "release.csv")

@@ -300,6 +300,7 @@ def of_four(behind: bool) -> tuple[RealArray, RealArray, Estimate]:
 
 
 class TestFourWheels:
+    @pytest.mark.slow
     def test_holds_and_is_much_narrower(self) -> None:
         (_, alone, _), (errors, stds, both) = of_four(False), of_four(True)
         assert np.all(np.abs(errors) < 3.5 * stds)

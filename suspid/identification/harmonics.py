@@ -14,7 +14,8 @@ from suspid.model import ModalSet
 from suspid.words import Reason
 
 # A harmonic has at most this share of the amplitude of its mode, and is at most the seventh: beyond that one lies near
-# every frequency, unless that is known so well that chance hits one as rarely as the third number says.
+# every frequency, unless that is known so well that chance hits one as rarely as the third number says, beside another
+# harmonic.
 WEAK, HIGHEST, BY_CHANCE = 0.2, 7, 0.05
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
@@ -46,13 +47,15 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
         ):
             reasons[number] = Reason.HARMONIC
     if Reason.HARMONIC in reasons:
-        # Without a harmonic, sums and differences of many modes lie near others by chance.
+        # Without a harmonic, far multiples, sums and differences of many modes lie near others by chance.
         for k, number in enumerate(order.tolist()):
             left = [j for j in range(len(order)) if j != k and reasons[order[j]] is None]
             stronger = [j for j in left if strengths[k] < WEAK**2 * strengths[j]]
-            if reasons[number] is None and any(
-                _is_combination(modes, one, other, k) for one, other in itertools.permutations(stronger, 2)
-            ):
+            if reasons[number] is not None:
+                continue
+            if any(_is_multiple(modes, j, k, far=True) for j in stronger):
+                reasons[number] = Reason.HARMONIC
+            elif any(_is_combination(modes, one, other, k) for one, other in itertools.permutations(stronger, 2)):
                 reasons[number] = Reason.COMBINATION
     return replace(selection, reasons=tuple(reasons)) if tuple(reasons) != selection.reasons else selection
 
@@ -127,11 +130,14 @@ def _combined_std(modes: ModalSet, factors: Mapping[int, float], part: int) -> f
     return float(np.sqrt(row @ covariance @ row))
 
 
-def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
-    """Return whether the other mode turns at a multiple of one and decays between once and that multiple as fast."""
+def _is_multiple(modes: ModalSet, one: int, other: int, *, far: bool = False) -> bool:
+    """Return whether the other mode turns at a multiple of one and decays between once and that multiple as fast.
+
+    Multiples beyond `HIGHEST` count with ``far``.
+    """
     first, second = complex(modes.poles[one]), complex(modes.poles[other])
     multiple = round(second.imag / first.imag) if first.imag > 0 else 1
-    if multiple == 1:
+    if multiple == 1 or (multiple > HIGHEST and not far):
         return False
     off = _std(modes, one, other, 1, multiple)
     if multiple > HIGHEST and 2 * SURE * off > BY_CHANCE * first.imag:
