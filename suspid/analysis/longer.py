@@ -122,7 +122,9 @@ def _earlier(record: control.TimeResponseData, best: Used) -> Iterator[Decay]:
     before = _before(used, best.decays, signal)
     released = _released(record, used, min(decay.start for decay in (used, *before)))
     rest = rests_from(signal)
-    if used.stop < rest < signal.timepts[-1] and not _followed(signal, best):
+    # The last samples are alike by chance.
+    rests = signal.timepts[-1] - rest > EARLIER * _period(used)
+    if rests and used.stop < rest and not _followed(signal, best):
         yield from (replace(_to_the_end(used, rest), start=start) for start in released)
     yield from (replace(used, start=start) for start in released if start < used.start - EARLIER * _period(used))
     yield from before
