@@ -3,7 +3,7 @@
 import numpy as np
 
 from suspid import Identification, identify
-from suspid.identification.harmonics import combination_of
+from suspid.identification.harmonics import combination_of, multiple_of
 from suspid.records import as_response
 from suspid.words import Reason
 
@@ -40,6 +40,12 @@ class TestFarMultiples:
         """Its interval is as wide as a twentieth of the way from one multiple to the next."""
         one = found([3.0, 15.0, 36.0], [1.0, 0.02, 2e-4], [0.2, 0.5, 2.0])
         assert np.round(one.modes.wn / (2 * np.pi)).tolist() == [3.0, 36.0]
+
+    def test_a_near_multiple_is_named_before_a_far_one(self) -> None:
+        """Of a slow mode any frequency is nearly a multiple."""
+        modes = found([0.5, 3.001], [1.0, 1.0], [0.1, 0.2]).modes
+        assert multiple_of(modes, complex(-0.4, 12 * modes.poles[0].imag)) == (2, 2)
+        assert multiple_of(modes, complex(-0.4, 8 * modes.poles[0].imag)) == (1, 8)
 
 
 class TestCombinations:

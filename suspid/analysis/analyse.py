@@ -122,7 +122,7 @@ def analyse(
             stretch = with_fewer_channels(record, stretch, settings, stretch_of)
         stretch = with_means_of_longest(record, stretch, settings)
         begin(STEPS[2])
-        identification, repeats, stretch = _identified(opened, stretch, settings)
+        identification, repeats, stretch = _identified(record, stretch, settings)
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settings.decay == "auto" and settings.start is settings.stop is None:
         notes += larger_elsewhere(record, stretch)
@@ -228,9 +228,10 @@ def _check_types(car: object, settings: object) -> None:
         raise InputError(Argument("car", f"{car!r:.80}"), " must be a Suspension; read_car reads one from a file")
 
 
-def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None, Used]:
+def _identified(
+    whole: control.TimeResponseData, stretch: Used, settings: Settings
+) -> tuple[Identification, Repeats | None, Used]:
     """Return the identification of the decay and, where several are used, that of all jointly; and what was used."""
-    whole = held(opened.cleaned, "record")
     if len(stretch.used) < 2:
         found = stretch.identification or identified(stretch.record, settings)
         wave, alone = of_a_wave(found, stretch, settings, whole)

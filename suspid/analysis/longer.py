@@ -17,7 +17,7 @@ from suspid.analysis.used import Used, used_of
 from suspid.decays import Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification
 from suspid.levels import NORMAL_95
-from suspid.records import cut
+from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.words import DecayDoubt, Level
@@ -70,8 +70,9 @@ def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> 
 def longest(record: control.TimeResponseData, best: Used) -> Used | None:
     """Return the longest decay of which the one that is used may be a part; None where it is no part of another.
 
-    Where a channel has stopped, none ends later.
+    It has the same channels. Where one has stopped, none ends later.
     """
+    record = of_channels(record, as_signal(best.record).channels)
     starts, later = [one.start for one in _earlier(record, best)], list(_later(record, best))
     later = later if later and _goes_on(record, best).all() else []
     if not (starts or later):
@@ -170,7 +171,7 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
 
     Where the other is doubtful, forces may explain the longer one instead. It has all modes of the other unless that is
-    doubtful, and more modes that are well known or as good a verdict.
+    doubtful, or explains its part as well; and more modes that are well known or as good a verdict.
     """
     if longer.verdict.level is Level.DOUBTFUL:
         return False

@@ -43,7 +43,7 @@ def with_means(record: control.TimeResponseData, used: Used, settings: Settings)
 
 def with_means_of_longest(record: control.TimeResponseData, used: Used, settings: Settings) -> Used:
     """Return the same of the longest decay of which the one that is used may be a part, if there is one."""
-    return _of_parts(used, settings, (part for part in (longest(record, used),) if part is not None))
+    return _of_parts(used, settings, _longest(record, used))
 
 
 def means_of(record: control.TimeResponseData, size: int) -> control.TimeResponseData:
@@ -79,6 +79,13 @@ def _parts(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
     if isinstance(used.decays, Decays):
         others = [decay for decay in used.decays if decay not in used.used and not by_chance(decay)]
         yield from (used_of(record, used.decays, decay) for decay in others[:OTHERS_IN_MEANS])
+
+
+def _longest(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
+    """Yield the longest decay, looked for only when it is asked for."""
+    part = longest(record, used)
+    if part is not None:
+        yield part
 
 
 def _agreed(part: Used, settings: Settings) -> Used | None:

@@ -16,7 +16,7 @@ from suspid.analysis.swelling import beyond_wave
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
-from suspid.identification import Considered, Identification
+from suspid.identification import Considered, Identification, swings_many_times
 from suspid.records import late_start, of_channels
 from suspid.signals import as_signal
 from suspid.values import frozen_real
@@ -25,9 +25,9 @@ from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck
 if TYPE_CHECKING:
     import control
 
-# A mode that makes this many cycles before it has fallen to 1/e, and explains this share of the energy of a channel by
-# itself, is plain to see. Noise in a band keeps its phase for fewer, and a burst of a voice has other tones beside.
-MANY_CYCLES, NEARLY_ALL = 10.0, 0.95
+# A mode that swings many times, and explains this share of the energy of a channel by itself, is plain to see: a burst
+# of a voice has other tones beside.
+NEARLY_ALL = 0.95
 
 
 def supported(
@@ -160,8 +160,7 @@ def _coherent(found: Identification) -> NDArray[np.bool_]:
     response = as_signal(found.response)
     about = response.values - response.values.mean(axis=1, keepdims=True)
     time = response.step * np.arange(about.shape[1])
-    lasting = np.minimum(time[-1], 1 / np.abs(found.modes.poles.real).clip(1e-300))
-    coherent = np.abs(found.modes.poles.imag) * lasting > 2 * np.pi * MANY_CYCLES
+    coherent = swings_many_times(found.modes, float(time[-1]))
     for mode in np.flatnonzero(coherent):
         course = np.exp(found.modes.poles[mode] * time)
         basis, _ = np.linalg.qr(np.stack([course.real, course.imag, np.ones(len(time))], axis=1))

@@ -15,7 +15,8 @@ from suspid.words import Defect, Number
 
 # Latest possible time stamp [s].
 LATEST = 1e15
-# A clock has stopped where at least this many rows at the end have one stamp, more times this than elsewhere.
+# A clock has stopped where its last stamp stands in more than this many times the rows of any other: with fewer, stamps
+# that come in packets of rows, or are rounded, stop too.
 STOPPED = 8
 
 

@@ -70,7 +70,9 @@ def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
         return int(np.argmin(np.abs(np.log(rates / abs(pole))))) + 1, 0
     ratios = np.abs(pole.imag) / np.maximum(np.abs(modes.poles.imag), 1e-300)
     multiples = np.round(ratios)
-    strays = np.where(multiples > 1, np.abs(ratios - multiples) / np.maximum(np.minimum(multiples, HIGHEST), 1), np.inf)
+    strays = np.where((multiples > 1) & (multiples <= HIGHEST), np.abs(ratios / np.maximum(multiples, 1) - 1), np.inf)
+    if np.min(strays) > SURE * PRECISE:
+        strays = np.where(multiples > HIGHEST, np.abs(ratios - multiples), strays)
     mode = int(np.argmin(strays))
     return mode + 1, int(multiples[mode])
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.files import printable
 from suspid.identification.fitting import BENT
@@ -13,11 +14,12 @@ from suspid.identification.noise import LOUD
 from suspid.levels import SURE
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.units import Ratio
+from suspid.units import Ratio, Second
 from suspid.words import Check, Level, ModeCheck, Number, Reason, Remark
 
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
+    from suspid.model import ModalSet
 
 # Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
@@ -26,6 +28,9 @@ OUT_OF_PHASE = 0.5
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
 # One more than `DOUBTED_CYCLES` of a decay: a mode seen over two cycles is used, with this remark.
 CYCLES_SEEN = 3.0
+# A mode that makes this many cycles before it has fallen to 1/e is plain to see. A pulse of force makes fewer, and
+# noise in a band keeps its phase for fewer.
+MANY_CYCLES = 10.0
 
 
 def check_of(code: ModeCheck, level: Level, numbers: Mapping[str, Number] | None = None) -> Check:
@@ -84,6 +89,7 @@ def check_parts(found: Identification) -> Iterator[Check]:
     poles, loud = found.modes.poles, (found.loudness > LOUD) & (found.modes.poles.imag > 0)
     if found.forces:
         return
+    # A part that is gone at once is as broad as its line: the wider of the two counts.
     widths = np.maximum(np.abs(poles.real)[:, None], np.abs(poles.real))
     near = (np.abs(poles[:, None] - poles) < BENT * widths) & loud[:, None] & loud & ~np.eye(len(poles), dtype=bool)
     parts = numbers_of(np.asarray(np.sum(near, axis=1) > 0))
@@ -139,6 +145,12 @@ def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
     if np.any(pairs) and not np.any(vague | rough):
         most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
         yield check_of(ModeCheck.KNOWN, Level.SOUND, most)
+
+
+def swings_many_times(modes: ModalSet, duration: Second) -> NDArray[np.bool_]:
+    """Return which modes make `MANY_CYCLES` before they have fallen to 1/e, or a record ends, (mode,)."""
+    lasting = np.minimum(duration, 1 / np.abs(modes.poles.real).clip(1e-300))
+    return np.asarray(np.abs(modes.poles.imag) * lasting > 2 * np.pi * MANY_CYCLES)
 
 
 def numbers_of(which: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[int, ...]:

@@ -21,6 +21,7 @@ from suspid.identification.mode_checks import (
     check_precision,
     check_resolution,
     numbers_of,
+    swings_many_times,
 )
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
@@ -28,7 +29,7 @@ from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.units import Hertz, Ratio, RealArray, Second
+from suspid.units import Hertz, Ratio, RealArray
 from suspid.words import MOST_LISTED, Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
@@ -40,8 +41,6 @@ NOTICEABLE = 1.05
 # Correlations of the residual over one sample that are not those of white noise: a sensor's filter leaves less than the
 # first number. The second holds in channels of which less than the third share is explained.
 FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
-# A pulse of force looks like modes that make fewer cycles than this before they have fallen to 1/e.
-NO_PULSE = 10.0
 # A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
 NEAR_A_MODE, HARMONICS_LEFT = 0.03, 3
 
@@ -174,15 +173,10 @@ def _one_shape(found: Identification) -> bool:
     A single mode that swings many times before it has fallen to 1/e is no pulse.
     """
     duration = as_signal(held(found, "response")).duration
-    if len(found.modes) == 1 and _cycles(complex(found.modes.poles[0]), duration) > NO_PULSE:
+    if len(found.modes) == 1 and swings_many_times(found.modes, duration).all():
         return False
     unknowns = 2 * (len(found.modes) + sum(c.removed for c in found.considered))
     return one_shape(as_signal(held(found, "fitted")).values, found.noise_std, unknowns)
-
-
-def _cycles(pole: complex, duration: Second) -> float:
-    """Return the cycles that a mode makes before it has fallen to 1/e, or a record ends."""
-    return abs(pole.imag) * min(duration, 1 / max(abs(pole.real), 1e-300)) / (2 * np.pi)
 
 
 def _few_samples(found: Identification) -> Iterator[Check]:

@@ -15,7 +15,7 @@ from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
-from suspid.identification.nonlinear.starts import beside_single, starts_of
+from suspid.identification.nonlinear.starts import beside_single, starts_of, strongest
 from suspid.identification.nonlinear.structure import StructureFit
 
 # One more mode beside forces must lower the residual of a channel by this factor, unless it leaves only noise: a force
@@ -49,7 +49,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         return None
     best: StructureFit | None = None
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
-    for start in starts_of(record, plain, bent):
+    strong = strongest(record, plain)
+    for start in starts_of(record, strong, bent):
         for order, kind in _kinds(record, start, bent, highest):
             longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
@@ -61,7 +62,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
                 soon = kind is ForceKind.FRICTION and stops_soon(record, start)
                 fit = fitted(fit) if within or soon else fit
                 best = fit if best is None or fit.bic < best.bic else best
-    best = best and _beside_another(record, plain, best, highest=highest)
+    if best is not None:
+        best = _beside_another(record, strong, best, highest=highest)
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
@@ -69,16 +71,16 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     return best if best.forces and best.bic < highest and np.all(stands(best)) else None
 
 
-def _beside_another(record: Record, plain: DrivenFit, best: StructureFit, *, highest: float) -> StructureFit:
+def _beside_another(record: Record, strong: DrivenFit, best: StructureFit, *, highest: float) -> StructureFit:
     """Return a structure, or a better one with another mode where a single one with friction does not explain a record.
 
     Friction hides another mode from a linear fit, which has parts and multiples of the strong one instead.
     """
     count = record.values.shape[1]
-    if len(best.theta) > 1 or best.structures.kind is not ForceKind.FRICTION:
+    if len(best.theta) > 1 or len(strong.drive.theta) > 1 or best.structures.kind is not ForceKind.FRICTION:
         return best
     others = np.array(next_poles(best.residual, best.variance, record.noise), complex)
-    for start in beside_single(record, plain, others):
+    for start in beside_single(record, strong, others):
         if explains(best, highest):
             break
         if steps_of(start.drive.theta, count, ForceKind.FRICTION) <= LONGEST_BLIND:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
@@ -12,15 +13,14 @@ from suspid.units import ComplexArray
 
 # Poles that differ by less than this share are the same start: steps of a fit go farther.
 ALIKE = 0.03
-# Other poles of the linear fit that are tried beside a single mode, and their damping ratio at first: that of a second
-# mode of rigs. More take seconds each.
+# Poles that are tried beside a single mode, of the linear fit and of a residual, and their damping ratio at first: that
+# of a second mode of rigs. More take seconds each.
 OTHER_POLES, LIGHT = 2, 0.02
 
 
-def starts_of(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
-    """Return the fits to start from: that of several modes with forces, and the linear one."""
+def starts_of(record: Record, strong: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
+    """Return the fits to start from: that of several modes with forces, and the linear one of the `strongest`."""
     starts = [bent.fit] if bent is not None and bent.count > 1 else []
-    strong = strongest(record, plain)
     # From the same poles the same is found.
     if not any(_alike(start.drive.theta, strong.drive.theta) for start in starts):
         starts = [*starts, strong]
@@ -41,7 +41,7 @@ def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
     others = np.flatnonzero((record.theta.imag > 0) & (record.theta.real < 0))
     if not others.size:
         return None
-    apart = np.abs(np.log(np.abs(record.theta[others] / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY)
+    apart = _apart(record.theta[others], alone)
     if not apart.any():
         return None
     own = apart & [not repeated(complex(record.theta[k]), weights[k], alone.drive.theta, single) for k in others]
@@ -57,24 +57,26 @@ def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
     return both if stray < np.log(OTHER_FREQUENCY) else None
 
 
-def beside_single(record: Record, plain: DrivenFit, residual: ComplexArray) -> list[DrivenFit]:
+def beside_single(record: Record, alone: DrivenFit, residual: ComplexArray) -> list[DrivenFit]:
     """Return a single mode with each of the first other poles of the linear fit, then of a ``residual``.
 
     They are damped lightly and not fitted: what friction does to a strong mode draws the pole of a weak one away, or
-    makes it grow. None where there is more than a single mode.
+    makes it grow.
     """
-    alone = strongest(record, plain)
-    if len(alone.drive.theta) != 1:
-        return []
     energy = np.where(record.theta.imag > 0, np.sum(np.abs(record.amplitudes) ** 2, axis=1), 0.0)
     linear = record.theta[np.argsort(-energy)[: np.count_nonzero(energy)]]
     starts = list[DrivenFit]()
     for theta in (linear, residual):
-        apart = np.abs(np.log(np.abs(theta / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY)
-        light = [complex(-LIGHT * abs(each), each.imag) for each in theta[apart][:OTHER_POLES]]
+        others = theta[_apart(theta, alone)][:OTHER_POLES]
+        light = [complex(-LIGHT * abs(each), each.imag) for each in others]
         trials = (maximize(record.values, alone.drive.with_pole(each), record.noise, steps=0) for each in light)
         starts += [trial for trial in trials if trial is not None]
     return starts
+
+
+def _apart(theta: ComplexArray, alone: DrivenFit) -> NDArray[np.bool_]:
+    """Return which poles have another frequency than a single mode, (pole,)."""
+    return np.asarray(np.abs(np.log(np.abs(theta / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY))
 
 
 def _alike(one: ComplexArray, other: ComplexArray) -> bool:
