@@ -263,6 +263,24 @@ class TestPoles:
         checks = said(verdict_of(one), ModeCheck.PARTS)
         assert [check.level for check in checks] == [Level.DOUBTFUL] * said_so
 
+    @pytest.mark.parametrize(
+        ("modes", "channels", "apart", "said_so"),
+        [(4, 1, 1.5, True), (3, 1, 1.5, False), (4, 2, 1.5, False), (4, 1, 5.0, False)],
+    )
+    def test_more_modes_in_a_row_than_channels_tell_are_a_band_of_noise(
+        self, modes: int, channels: int, apart: float, *, said_so: bool
+    ) -> None:
+        poles = -0.4 + 1j * (40.0 + apart * np.arange(modes))
+        names = tuple(f"y{k}" for k in range(channels))
+        shapes = np.ones((channels, modes), complex)
+        time = np.asarray(STEP * np.arange(1000), float)
+        course = np.real(np.exp(np.outer(time, poles)).sum(axis=1))
+        found = identify(as_response(time, np.tile(course, (channels, 1)), names))
+        each = ModalSet(poles=poles, shapes=shapes, channels=names)
+        one = replace(found, modes=each, loudness=np.ones(modes), noise_std=np.ones(channels), forces=(), considered=())
+        checks = said(verdict_of(one), ModeCheck.IN_A_ROW)
+        assert [check.level for check in checks] == [Level.DOUBTFUL] * said_so
+
     def test_modes_that_the_halves_do_not_tell_are_named(
         self, found: Identification, monkeypatch: pytest.MonkeyPatch
     ) -> None:

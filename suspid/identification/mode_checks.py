@@ -28,6 +28,10 @@ OUT_OF_PHASE = 0.5
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
 # One more than `DOUBTED_CYCLES` of a decay: a mode seen over two cycles is used, with this remark.
 CYCLES_SEEN = 3.0
+# Modes form a row where each lies within this multiple of two half widths of the next. Each channel tells one
+# shape, and two more are told by frequency: a longer row is what a fit makes of a band of noise. A smaller first number
+# misses rows of which each second line is left out; a larger one takes the modes of a damped car for a row.
+SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
 # A mode that makes this many cycles before it has fallen to 1/e is plain to see. A pulse of force makes fewer, and
 # noise in a band keeps its phase for fewer.
 MANY_CYCLES = 10.0
@@ -95,6 +99,19 @@ def check_parts(found: Identification) -> Iterator[Check]:
     parts = numbers_of(np.asarray(np.sum(near, axis=1) > 0))
     if parts:
         yield check_of(ModeCheck.PARTS, Level.DOUBTFUL, {"modes": parts})
+
+
+def check_rows(found: Identification) -> Iterator[Check]:
+    """Check that no more modes stand in a row, side by side, than the channels can tell from a band of noise."""
+    poles = found.modes.poles[found.modes.poles.imag > 0]
+    order = np.argsort(poles.imag)
+    frequency, width = poles.imag[order], np.abs(poles.real)[order]
+    breaks = np.diff(frequency) > SIDE_BY_SIDE * (width[1:] + width[:-1])
+    numbers = np.flatnonzero(found.modes.poles.imag > 0)[order]
+    for row in np.split(numbers, np.flatnonzero(breaks) + 1):
+        if row.size > len(found.noise_std) + TOLD_BY_FREQUENCY:
+            modes = tuple(sorted(int(number) + 1 for number in row))
+            yield check_of(ModeCheck.IN_A_ROW, Level.DOUBTFUL, {"modes": modes, "channels": len(found.noise_std)})
 
 
 def check_followed(found: Identification) -> Iterator[Check]:

@@ -20,6 +20,7 @@ from suspid.identification.mode_checks import (
     check_phases,
     check_precision,
     check_resolution,
+    check_rows,
     numbers_of,
     swings_many_times,
 )
@@ -81,6 +82,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_cycles(found)
     yield from check_resolution(found)
     yield from check_parts(found)
+    yield from check_rows(found)
     yield from check_followed(found)
     few = list(_few_samples(found))
     yield from few

@@ -149,6 +149,15 @@ class ModeCheck(Code):
             )
         ),
     )
+    IN_A_ROW = (
+        "in a row",
+        sentence(
+            lambda n: (
+                f"{_modes(n['modes']).capitalize()} stand side by side, more than {n['channels']} "
+                f"channel{'' if n['channels'] == 1 else 's'} can tell apart: a fit to noise in a band looks the same."
+            )
+        ),
+    )
     HARMONICS = (
         "harmonics",
         "Harmonics of the modes decay with them: a spring, damper or sensor is nonlinear. The values are those of "

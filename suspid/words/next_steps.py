@@ -165,6 +165,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.REPEATS_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.UNRESOLVED: NextStep.TWO_AMPLITUDES,
     ModeCheck.PARTS: NextStep.TWO_AMPLITUDES,
+    ModeCheck.IN_A_ROW: NextStep.QUIET,
     ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
     ModeCheck.SHARED_NOISE: NextStep.CHANNELS,
     ModeCheck.OUT_OF_PHASE: NextStep.CHANNELS,
