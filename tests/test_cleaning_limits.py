@@ -43,6 +43,22 @@ class TestClipping:
         values = np.concatenate([np.ones(40), np.exp(-0.01 * turn * k) * np.cos(turn * k)])
         assert clipped_run(values, largest=True) is None
 
+    @pytest.mark.parametrize("limit", [0.3, 0.5])
+    def test_a_sensor_that_is_read_too_often_is_clipped_too(self, limit: float) -> None:
+        """Every fourth sample is the one before it, so that values repeat: only the limit has runs of them."""
+        k = np.arange(900)
+        swing = np.exp(-0.004 * k) * np.sin(0.37 * k) + 0.001 * np.cos(1.9 * k)
+        values = np.clip(swing, -limit, limit)[k - (k % 4 == 3)]
+        assert all(clipped_run(values, largest=largest) is not None for largest in (True, False))
+        assert clipped_run(swing[k - (k % 4 == 3)], largest=True) is None
+
+    def test_a_release_that_is_not_seen_from_its_first_sample_on_is_none(self) -> None:
+        """However the samples lie about a release, a mass at rest leaves with a third of the next step at most."""
+        k = np.arange(300)
+        for late in np.linspace(0, 0.99, 12):
+            moved = np.exp(-0.008 * (k + late)) * np.cos(0.7 * (k + late))
+            assert clipped_run(np.concatenate([np.ones(40), moved]), largest=True) is None
+
     def test_noise_of_a_few_steps_of_a_converter_is_not_clipped(self) -> None:
         rng = np.random.default_rng(1)
         noise = [np.round(0.6 * rng.standard_normal(3000)) for _ in range(20)]
@@ -177,6 +193,19 @@ class TestChannels:
         more = np.insert(times, 16, 16 - ahead)
         other = interpolate(wanted, more, np.sin(more) + 0.1 * (more % 1 > 0), widest=3.0)
         assert (abs(float(other[0] - plain[0])) > 0.01) == used
+
+    def test_a_limit_stays_one_between_irregular_stamps(self) -> None:
+        """The spline through a crest that is cut off runs beyond the limit; the sensor did not."""
+        times = np.arange(400.0) + 0.3 * np.sin(np.arange(400.0))
+        wanted = np.arange(5.0, 390.0)
+        swing = np.sin(0.31 * times)
+        moved = interpolate(wanted, times, np.clip(swing, -0.6, 0.6), widest=3.0)
+        assert (np.max(moved), np.min(moved)) == (0.6, -0.6)
+        assert all(clipped_run(moved, largest=largest) is not None for largest in (True, False))
+        away = np.abs(np.sin(0.31 * wanted)) < 0.3
+        np.testing.assert_allclose(moved[away], np.sin(0.31 * wanted)[away], atol=0.02)
+        whole = interpolate(wanted, times, swing, widest=3.0)
+        assert np.max(whole) > 0.995
 
 
 @pytest.mark.parametrize("seed", range(4))

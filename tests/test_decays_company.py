@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from suspid import analyse
+from suspid.analysis.choice import doubts_of
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
 from suspid.decays.find_decays import _in_company, find_decays
@@ -67,7 +68,7 @@ def test_releases_that_share_no_mode_are_no_company(
     ],
 )
 def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level: Level | None) -> None:
-    """Each stretch alone is a perfect decay: of one structure, or of another one each time."""
+    """Each stretch alone is a perfect decay: of one structure, or of another one each time; small ones do not tell."""
     time = np.arange(300) / 100
     decays = [np.exp(-2.5 * time) * np.sin(2 * np.pi * f * time) for f in hertz]
     values = np.concatenate([np.zeros(100), *decays])
@@ -75,3 +76,7 @@ def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level:
     found = analyse((np.arange(values.size) / 100, values + noise))
     said = [check.level for check in found.verdict.checks if check.remark.code is RecordCheck.NOT_REPEATED]
     assert said == ([] if level is None else [level])
+    (used,) = found.used
+    small = [used, *(replace(other, level=used.level - 21.0) for other in found.decays if other.start != used.start)]
+    beside = doubts_of((used,), found.identification, small)
+    assert RecordCheck.NOT_REPEATED not in {check.remark.code for check in beside}

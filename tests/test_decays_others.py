@@ -1,5 +1,7 @@
 """What is beside a decay in a recording: of many stretches of driven motion some look like a decay."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,14 @@ def test_a_doubted_decay_among_many_with_other_modes_is_doubted_more() -> None:
     # Three others may be chance.
     *_, last = with_doubts_of_others(hum(), [*others[:3], stretch(80, 95, 4.0, DecayDoubt.TOO_SHORT)])
     assert DecayDoubt.COMPANY not in {doubt.code for doubt in last.doubts}
+
+
+@pytest.mark.parametrize(("level", "doubted"), [(40.0, True), (19.0, False)])
+def test_what_moves_a_tenth_as_much_tells_nothing_of_a_decay(level: float, *, doubted: bool) -> None:
+    """Between the plucks of a beam knocks of another kind look like decays, too."""
+    others = [replace(stretch(first, first + 15, 5.0 + first / 20), level=level) for first in (0, 20, 40, 60)]
+    *_, last = with_doubts_of_others(hum(), [*others, stretch(80, 95, 4.0, DecayDoubt.TOO_SHORT)])
+    assert (DecayDoubt.COMPANY in {doubt.code for doubt in last.doubts}) == doubted
 
 
 @pytest.mark.parametrize("seed", [901, pytest.param(911, marks=pytest.mark.slow)])

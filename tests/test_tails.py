@@ -158,11 +158,14 @@ def test_noise_has_no_free_end() -> None:
         assert free_end(Signal(start=0.0, step=1 / FS, values=values, channels=("a",)), finest(values)) is None
 
 
-def test_a_sensor_that_is_clipped_at_both_ends_is_no_free_end() -> None:
-    """Both levels of a clipped sensor are held again and again, as the steps of a coarse one are."""
+@pytest.mark.parametrize("limit", [0.05, 0.2, 0.5])
+def test_the_free_end_of_a_clipped_sensor_begins_behind_its_limits(limit: float) -> None:
+    """Both levels of a clipped sensor are held again and again; they are not the steps of a coarse one."""
     values = np.exp(POLE * TIME).real + 1e-4 * np.random.default_rng(1).standard_normal(COUNT)
-    values = np.clip(values, -0.2, 0.2)[None]
-    assert free_end(Signal(start=0.0, step=1 / FS, values=values, channels=("a",)), finest(values)) is None
+    values = np.clip(values, -limit, limit)[None]
+    end = free_end(Signal(start=0.0, step=1 / FS, values=values, channels=("a",)), finest(values))
+    assert end is not None
+    assert 0 < end[0] - np.flatnonzero(np.abs(values[0]) == limit)[-1] < 10
 
 
 def test_a_step_of_a_fit_whose_information_is_singular_is_the_shortest() -> None:

@@ -270,7 +270,7 @@ class TestPoles:
     def test_more_modes_in_a_row_than_channels_tell_are_a_band_of_noise(
         self, modes: int, channels: int, apart: float, *, said_so: bool
     ) -> None:
-        poles = -0.4 + 1j * (40.0 + apart * np.arange(modes))
+        poles = np.asarray(-0.4 + 1j * (40.0 + apart * np.arange(modes)), complex)
         names = tuple(f"y{k}" for k in range(channels))
         shapes = np.ones((channels, modes), complex)
         time = np.asarray(STEP * np.arange(1000), float)

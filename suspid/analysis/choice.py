@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.decays import DRIVEN, FEWEST_EARLY, FIT, GRAVE, TRIAL_PARTS, Decay, in_common, unexplained
+from suspid.decays import (
+    DRIVEN,
+    FEWEST_EARLY,
+    FIT,
+    GRAVE,
+    TRIAL_PARTS,
+    Decay,
+    in_common,
+    not_far_weaker,
+    unexplained,
+)
 from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
@@ -151,7 +161,7 @@ def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) 
     one that looks most like a decay, by chance.
     """
     apart = (other for other in decays if other.stop <= decay.start or other.start >= decay.stop)
-    others = [other for other in apart if other.wn.size]
+    others = [other for other in not_far_weaker(decay, [*apart]) if other.wn.size]
     unlike = sum(not in_common(other.wn, found.modes.wn) for other in others)
     if not len(found.modes) or unlike < SOME_UNLIKE or 2 * unlike <= len(others):
         return ()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.cleaning.findings import Finding, found
+from suspid.cleaning.gaps import runs
 from suspid.levels import UNLIKELY
+from suspid.stamps import Indices
 from suspid.units import RealArray
 from suspid.words import Defect, Number
 
@@ -14,43 +17,59 @@ from suspid.words import Defect, Number
 CLIPPED = 3
 # Samples on each side in which equal neighbours are counted: how often noise of a few steps repeats a value by chance.
 BESIDE = 20
+# The first step from rest over the growth of the next is at most one half where the force is steady, and this where it
+# changes as in an eighth of a cycle. With more, most crests that are cut off seem to leave from rest.
+FROM_REST = 0.8
 
 
 def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
-    """Return the first sample of the longest run at the largest or smallest value and its length, if it is clipped.
+    """Return the first sample of the longest clipped run at the largest or smallest value and its length, or None.
 
-    A slow crest in coarse steps stays at its value too, but comes and goes by single steps.
+    A slow crest in coarse steps stays at its value too, but comes and goes by single steps; a mass that was held and
+    let go leaves from rest. Noise of a few steps of the converter repeats a value by chance: all runs together must be
+    longer than that explains.
+
+    Examples
+    --------
+    >>> clipped_run(np.clip(np.sin(np.arange(40) / 3), -1.0, 0.7), largest=True)
+    (3, 5)
     """
-    limit = np.max(samples) if largest else np.min(samples)
-    at = np.flatnonzero(samples == limit)
-    if at.size < CLIPPED:
-        return None
-    starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
-    lengths = np.diff(np.append(starts, len(at)))
-    longest = int(np.argmax(lengths))
-    first, count = int(at[starts[longest]]), int(lengths[longest])
-    after = first + count
-    if count < CLIPPED or count > 0.5 * len(samples):
+    limit = float(np.max(samples) if largest else np.min(samples))
+    first, after = runs(samples == limit)
+    if not np.any(after - first >= CLIPPED):
         return None
     steps = np.abs(np.diff(samples))
-    least = 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples)
-    if _from_rest(samples[after - 1 : after + 2] if after < len(samples) else samples[first::-1][:3], least):
+    left = ~_from_rest(samples, first, after, 3 * float(np.min(steps[steps > 0], initial=np.inf)))
+    counts = after - first
+    cut_off = left & (counts >= CLIPPED) & (counts <= 0.5 * samples.size)
+    if not cut_off.any():
         return None
-    # Noise of a few steps of the converter repeats a value by chance.
-    near = slice(max(0, first - BESIDE), after + BESIDE)
+    longest = int(np.argmax(np.where(cut_off, counts, 0)))
+    near = slice(max(0, int(first[longest]) - BESIDE), int(after[longest]) + BESIDE)
     others = steps[near][samples[near][: steps[near].size] != limit]
-    chance = (np.sum(others == 0) + 1) / (others.size + 2)
-    return (first, count) if chance ** (count - 1) < UNLIKELY else None
+    again = (np.sum(others == 0) + 1) / (others.size + 2)
+    from scipy.special import betainc
+
+    # How likely that many repeats are in that many runs, where each sample repeats the one before by chance. A crest
+    # that is cut off may leave its limit slowly, too; a mass that is held there stays longer.
+    like = counts <= 2 * counts[longest]
+    chance = betainc(np.sum(counts[like] - 1), np.sum(like), again)
+    return (int(first[longest]), int(counts[longest])) if chance < UNLIKELY else None
 
 
-def _from_rest(samples: RealArray, least: float) -> bool:
-    """Return whether a limit, and the samples next to it, are those of a mass that was held and let go.
+def _from_rest(samples: RealArray, first: Indices, after: Indices, step: float) -> NDArray[np.bool_]:
+    """Return which runs at a limit, and the samples next to them, are those of a mass that was held and let go, (run,).
 
-    A crest that is cut off over n samples is left with (n + 1) / 2 times the step by which the steps grow; from rest it
-    is half of that step at most.
+    A crest that is cut off is left with any share of its next step; a mass that a spring moves from rest with a third
+    of it, half of the growth of the step, at most. The ``step`` is what a converter adds to that.
     """
-    first, *second = np.abs(np.diff(samples))
-    return bool(first <= least + (abs(second[0] - first) if second else 0.0))
+    last = samples.size - 1
+    ends = after > last  # such a run is looked at from its other side
+    beside = np.where(ends, first - 1, np.minimum(after, last)).clip(0)
+    further = np.where(ends, first - 2, after + 1)
+    left = np.abs(samples[beside] - samples[first])
+    grown = FROM_REST * np.abs(np.abs(samples[further.clip(0, last)] - samples[beside]) - left)
+    return np.asarray(left <= step + 1e-3 * np.ptp(samples) + np.where((further >= 0) & (further <= last), grown, 0.0))
 
 
 def clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from suspid.cleaning.clipping import clipped_run
 from suspid.cleaning.clock import Clock
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.nearest import WIDE_HOLE
+from suspid.stamps import Indices
 from suspid.units import Hertz, Ratio, RealArray, Second
 
 # Share of the usual step below which a stamp nearly duplicates the one before: a spline through both would turn their
@@ -105,9 +107,26 @@ def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, wides
     inside = (wanted >= t[0] - slack) & (wanted <= t[-1] + slack)
     spread[inside] = CubicSpline(t, y)(wanted[inside])
     behind = np.clip(np.searchsorted(t, wanted), 1, t.size - 1)
+    spread = _within_limits(spread, behind, y)
     wide = (t[behind] - t[behind - 1] > widest) & (np.abs(t[behind] - wanted) > slack)
     wide &= np.abs(wanted - t[behind - 1]) > slack
     spread[wide] = np.nan
+    return spread
+
+
+def _within_limits(spread: RealArray, behind: Indices, samples: RealArray) -> RealArray:
+    """Return interpolated samples that stay at a limit at which those before and ``behind`` them are clipped.
+
+    What the sensor did not measure is no part of a spline, which runs beyond the limit there.
+    """
+    for largest in (True, False):
+        run = clipped_run(samples, largest=largest)
+        if run is None:
+            continue
+        limit = samples[run[0]]
+        between = (samples[behind] == limit) & (samples[behind - 1] == limit)
+        within = np.minimum(spread, limit) if largest else np.maximum(spread, limit)
+        spread = np.where(between & np.isfinite(spread), limit, within)
     return spread
 
 

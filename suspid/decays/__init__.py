@@ -10,7 +10,7 @@ again).
 
 from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
-from suspid.decays.others import SAME_MODE, in_common
+from suspid.decays.others import SAME_MODE, in_common, not_far_weaker
 from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
@@ -31,6 +31,7 @@ __all__ = [
     "clearly_driven",
     "find_decays",
     "in_common",
+    "not_far_weaker",
     "releases_before",
     "rests_from",
     "unexplained",

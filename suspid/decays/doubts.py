@@ -85,12 +85,13 @@ def doubts_of_background(means: RealArray, trial: Trial, *, size: int, length: i
 
 
 def clipped_samples(values: RealArray) -> NDArray[np.bool_]:
-    """Return which samples are clipped: in a run at the largest or smallest value of their channel, (sample,)."""
+    """Return which samples are clipped: in a run at an end of the range of their channel, (sample,)."""
     out = np.zeros(values.shape[1], bool)
     for samples in values:
-        for largest in (True, False):
-            run = clipped_run(samples, largest=largest)
-            if run is not None:
-                for first, after in zip(*runs(samples == samples[run[0]]), strict=True):
-                    out[first:after] |= after - first >= CLIPPED
+        if all(clipped_run(samples, largest=largest) is None for largest in (True, False)):
+            continue
+        # A range has two ends: runs at the other one are clipped too, however they are left.
+        for limit in (np.max(samples), np.min(samples)):
+            for first, after in zip(*runs(samples == limit), strict=True):
+                out[first:after] |= after - first >= CLIPPED
     return out

@@ -137,11 +137,18 @@ def finest(values: RealArray) -> RealArray:
     """Return the standard deviation of the rounding and quantisation error of each channel.
 
     A quantised signal that was resampled shows its steps only where it is constant: the smallest distance between the
-    values that it holds is taken as its step.
+    values that it holds is taken as its step. The largest and the smallest value may be limits at which it is clipped.
+
+    Examples
+    --------
+    >>> cut_off = np.clip(np.sin(np.arange(200.0)), -0.5, 0.5)[None]
+    >>> bool(finest(cut_off)[0] < 1e-6)
+    True
     """
     out = resolution(values)
     for channel, samples in enumerate(values):
         held = samples[1:][np.diff(samples) == 0]
+        held = held[(held > np.min(samples)) & (held < np.max(samples))]
         # A sensor that changes this often between values that it holds is taken to be quantised. Fewer changes are
         # chance.
         if np.sum(np.diff(held) != 0) < 8:

@@ -11,7 +11,7 @@ from suspid.decays.decay import FIT, Decay
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.trials import block_means, block_size
 from suspid.signals import Signal
-from suspid.units import Ratio, RealArray
+from suspid.units import Decibel, Ratio, RealArray
 from suspid.words import DecayDoubt, Remark
 
 # Decays that have less than this share of the power of the speeds of a recording are a small part of it. A larger share
@@ -23,6 +23,9 @@ SAME_MODE = 0.1
 # Decays have the same modes if each mode of the one that has fewer is in the other to within this share of its
 # frequency. Resonances that noise excites scatter by more.
 SAME_MODES = 0.03
+# Decays this far below another are no company for it: what moves a tenth as much is noise or a knock beside it. With a
+# smaller number bursts of driven motion, which are unlike in size, do not tell of each other.
+FAR_WEAKER: Decibel = 20.0
 
 
 def with_doubts_of_others(signal: Signal, decays: Sequence[Decay]) -> list[Decay]:
@@ -36,10 +39,16 @@ def with_doubts_of_others(signal: Signal, decays: Sequence[Decay]) -> list[Decay
         share = _share(signal, decay) if codes & FIT else 1.0
         doubts: tuple[Remark, ...] = (Remark(DecayDoubt.SMALL_PART, {"share": share}),) if share < SMALL else ()
         if codes and DecayDoubt.COMPANY not in codes:
-            unlike = sum(other is not decay and not same_modes(decay, other) for other in decays)
-            doubts += doubts_of_company(unlike, len(decays))
+            beside = not_far_weaker(decay, decays)
+            unlike = sum(other is not decay and not same_modes(decay, other) for other in beside)
+            doubts += doubts_of_company(unlike, len(beside))
         out.append(replace(decay, doubts=(*decay.doubts, *doubts)))
     return out
+
+
+def not_far_weaker(decay: Decay, others: Sequence[Decay]) -> list[Decay]:
+    """Return the decays that can tell whether one is of driven motion: those that are not `FAR_WEAKER`."""
+    return [other for other in others if other.level > decay.level - FAR_WEAKER]
 
 
 def shares_a_mode(decay: Decay, others: Sequence[Decay]) -> bool:
