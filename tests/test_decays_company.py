@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from suspid import analyse
+from suspid import analyse, identify
 from suspid.analysis.choice import doubts_of
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
-from suspid.decays.find_decays import _in_company, find_decays
+from suspid.decays.find_decays import _in_company, _ranked, find_decays
 from suspid.records import as_response
-from suspid.words import DecayDoubt, Level, RecordCheck
+from suspid.words import DecayDoubt, Level, RecordCheck, Remark
 
 
 @pytest.fixture(scope="module")
@@ -80,3 +80,22 @@ def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level:
     small = [used, *(replace(other, level=used.level - 21.0) for other in found.decays if other.start != used.start)]
     beside = doubts_of((used,), found.identification, small)
     assert RecordCheck.NOT_REPEATED not in {check.remark.code for check in beside}
+
+
+@pytest.mark.parametrize(("loud", "level"), [(61.0, Level.DOUBTFUL), (2.0, Level.CARE)])
+def test_a_short_stretch_beside_more_than_noise_is_a_guess(decay: Decay, loud: float, level: Level) -> None:
+    time = np.arange(300) / 100
+    found = identify(as_response(time, (np.exp(-time) * np.sin(9 * time))[None], ["seat"]))
+    found = replace(found, loudness=np.full(len(found.modes), loud))
+    short = replace(decay, doubts=(Remark(DecayDoubt.FEW_CYCLES, {"cycles": 1.0}),))
+    assert [check.level for check in doubts_of((short,), found, ())] == [level]
+
+
+def test_the_end_of_a_doubted_decay_is_no_better_than_all_of_it(decay: Decay) -> None:
+    doubt = (Remark(DecayDoubt.FEW_CYCLES, {"cycles": 1.0}),)
+    whole = replace(decay, start=2.0, stop=6.0, strength=66.5, doubts=doubt)
+    end = replace(decay, start=5.0, stop=6.0, strength=67.5, doubts=doubt)
+    later = replace(end, start=7.0, stop=9.0, strength=60.0)
+    assert [one.start for one in _ranked([end, whole, later], [])] == [2.0, 7.0, 5.0]
+    # One that is beyond doubt is.
+    assert [one.start for one in _ranked([replace(end, doubts=()), whole], [])] == [5.0, 2.0]

@@ -38,6 +38,13 @@ class TestOfTwoDoubtfulDecays:
         assert (1 / size**2 * 10 > 100) == larger
         assert far_larger(whole.record, [knock, decay]) is (decay if larger else knock)
 
+    def test_a_channel_that_a_part_has_not_does_not_count(self) -> None:
+        """One that stands still in a decay was left out of it."""
+        whole, decay, knock = knocked(0.03)
+        steps = np.floor(whole.record.time / 7)[None]
+        both = as_response(whole.record.time, np.concatenate([steps, whole.record.y[:1]]), ["asked", "seat"])
+        assert far_larger(both, [knock, decay]) is decay
+
     def test_the_first_stays_where_it_is_the_larger(self) -> None:
         whole, decay, knock = knocked(0.03)
         assert far_larger(whole.record, [decay, knock]) is decay

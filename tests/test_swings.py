@@ -10,8 +10,10 @@ from suspid import ModalSet, Settings
 from suspid.analysis.held import without_held
 from suspid.analysis.support import supported
 from suspid.analysis.swings import shown_by_swings
+from suspid.analysis.used import used_of
 from suspid.records import as_response
 from suspid.units import RealArray
+from suspid.words import Note
 
 STEP = 0.01
 
@@ -108,3 +110,22 @@ class TestHeld:
     def test_steps_and_pulses_are(self, pulse: list[float]) -> None:
         values = np.concatenate([np.zeros(150), np.repeat(pulse, 9), np.full(200, pulse[-1])])
         assert self.rates(values) == ["other"]
+
+    @pytest.mark.parametrize(("levels", "left"), [(2, True), (3, True), (5, False)])
+    def test_what_has_a_few_values_only_is_none(self, levels: int, left: bool) -> None:
+        """A sensor at rest that toggles by a step of its resolution, or a valve that is switched again and again."""
+        values = np.random.default_rng(3).integers(0, levels, 900) * 0.017
+        assert self.rates(values) == (["other"] if left else ["other", "asked"])
+
+
+@pytest.mark.parametrize(("levels", "kept"), [(1, ["seat"]), (2, ["seat"]), (9, ["seat", "beside"])])
+def test_a_channel_that_toggles_in_a_decay_is_no_part_of_it(levels: int, kept: list[str]) -> None:
+    """Before the decay it moved as well."""
+    values, rng = rubbed(1.5, swings=10), np.random.default_rng(3)
+    beside = rng.integers(0, levels, values.size) * 0.017
+    beside[:40] = 5 * rng.standard_normal(40)
+    record = as_response(clock(values.size), np.stack([values, beside]), ["seat", "beside"])
+    one = decay(float(clock(values.size)[60]), float(clock(values.size)[-1]))
+    used = used_of(record, (one,), one)
+    assert list(used.record.output_labels) == kept
+    assert [note.code for note in used.notes].count(Note.STILL_CHANNEL) == 2 - len(kept)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from suspid.analysis.used import Used
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.signals import as_signal
-from suspid.units import RealArray
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -26,8 +25,9 @@ def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
 
     A knock in the calm end of a record looks like a decay more often than the motion that was to be recorded.
     """
-    whole = as_signal(record).values
-    about = np.sum((whole - whole.mean(axis=1, keepdims=True)) ** 2, axis=1)
+    signal = as_signal(record)
+    energies = np.sum((signal.values - signal.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
+    about = dict(zip(signal.channels, energies.tolist(), strict=True))
     shares = [0.0 if one.identification is None else _share(one.identification, about) for one in tries]
     most = int(np.argmax(shares))
     return tries[most] if shares[most] > FAR_MORE * shares[0] else tries[0]
@@ -68,9 +68,10 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
     return (Remark(Note.LARGER_ELSEWHERE, {"times": float(np.sqrt(more[most])), "time": middle}),)
 
 
-def _share(found: Identification, about: RealArray) -> float:
-    """Return the share of the energy of a record that the modes of a part explain, in the best of its channels."""
+def _share(found: Identification, about: Mapping[str, float]) -> float:
+    """Return the share of the energy of a record, by channel, that the modes of a part explain in its best channel."""
     if not len(found.modes):
         return 0.0
-    fitted = as_signal(found.fitted).values
-    return float(np.max(np.sum((fitted - fitted.mean(axis=1, keepdims=True)) ** 2, axis=1) / np.maximum(about, 1e-300)))
+    fitted = as_signal(found.fitted)
+    energies = np.sum((fitted.values - fitted.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
+    return max(own / max(about[name], 1e-300) for name, own in zip(fitted.channels, energies.tolist(), strict=True))

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 # through a jump rings for about as many. A motion changes for longer, and one of a few steps of its resolution tells
 # nothing of its modes.
 MOST_JUMPS, LONGEST_JUMP = 4, 48
+# A channel of this many values at most is a switch, or a sensor that toggles by a step of its resolution: it tells
+# nothing of a motion, however often it changes.
+FEW_VALUES = 3
 # What turns back this often within a jump, by this share of its range, swings: masses that friction stops soon stand
 # still for most of a record. A pulse turns once, one that goes both ways twice; a spline rings from sample to sample,
 # no slower than this many.
@@ -61,6 +64,19 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
     return of_channels(record, kept), notes
 
 
+def toggles(samples: RealArray) -> bool:
+    """Return whether a channel has a few values only.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> toggles(np.array([0.0, 0.017, 0.0, 0.017])), toggles(np.arange(4.0))
+    (True, False)
+    """
+    # The first samples of a motion have more values, and are looked at alone.
+    return np.unique(samples[:100]).size <= FEW_VALUES and np.unique(samples).size <= FEW_VALUES
+
+
 def _jumps(samples: RealArray) -> int | None:
     """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
     if samples.size < 4 * LONGEST_JUMP:
@@ -68,6 +84,8 @@ def _jumps(samples: RealArray) -> int | None:
     changes = np.flatnonzero(np.abs(np.diff(samples)) > EXACT * np.ptp(samples))
     if not changes.size:
         return None
+    if toggles(samples):
+        return int(changes.size)
     first = np.flatnonzero(np.diff(changes, prepend=-LONGEST_JUMP - 2) > LONGEST_JUMP)
     last = np.append(first[1:], changes.size) - 1
     longest = int(np.max(changes[last] - changes[first])) + 1

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.analysis.held import toggles
 from suspid.analysis.past_clipping import past_clipping
 from suspid.decays import Decay, Decays
 from suspid.identification import Identification
@@ -41,7 +42,7 @@ def used_of(record: control.TimeResponseData, decays: Decays | tuple[Decay, ...]
 def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:
     """Return the record without channels that stand still in it, and what was left out."""
     signal = as_signal(record)
-    moving = np.ptp(signal.values, axis=1) > 0
+    moving = ~np.array([toggles(samples) for samples in signal.values])
     if moving.all() or not moving.any():
         return record, []
     kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]

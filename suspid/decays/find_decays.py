@@ -163,6 +163,11 @@ def _overlaps(decay: Decay, others: Sequence[Decay]) -> bool:
     return any(other.start < decay.stop and decay.start < other.stop for other in others)
 
 
+def _within(decay: Decay, other: Decay) -> bool:
+    """Return whether a decay is the end of another."""
+    return other is not decay and other.start < decay.start and decay.stop <= other.stop
+
+
 def _let_go(recording: Recording) -> list[Decay]:
     """Return the decays after pushes that are beyond grave doubt; all are doubted where most pushes have none.
 
@@ -197,7 +202,9 @@ def _left(decay: Decay) -> float:
 
 
 def _ranked(decays: Iterable[Decay], remarks: Iterable[Remark]) -> Decays:
-    order = sorted(decays, key=lambda decay: (bool(decay.doubts), -decay.strength))
+    # Of a decay that is doubted, the end is no better than all of it.
+    parts = [decay for decay in decays if decay.doubts and any(_within(decay, other) for other in decays)]
+    order = sorted(decays, key=lambda decay: (bool(decay.doubts) + (decay in parts), -decay.strength))
     return Decays(tuple(replace(decay, rank=rank) for rank, decay in enumerate(order, start=1)), tuple(remarks))
 
 

@@ -74,6 +74,8 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_amplitudes(found)
     if any(c.removed and c.remark.code is Reason.HARMONIC for c in found.considered):
         yield check_of(ModeCheck.HARMONICS, Level.CARE)
+    if any(c.remark.code is Reason.STANDS_STILL for c in found.considered):
+        yield check_of(ModeCheck.STANDS_STILL, Level.DOUBTFUL)
     yield from check_halves(found)
     if found.method != "ridge":
         yield from _residual(found)

@@ -135,7 +135,7 @@ class Note(Code):
         "means",
         "means over {size} samples are used, {rate:.6g} Hz: with all samples there is no clear result",
     )
-    STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
+    STILL_CHANNEL = "still channel", "channel {channel!r} stands still in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",
         sentence(

@@ -158,6 +158,11 @@ class ModeCheck(Code):
             )
         ),
     )
+    STANDS_STILL = (
+        "stands still",
+        "The motion stops, and some of the poles that fit it would not: friction acts, and the intervals do not hold "
+        "what it does to the values.",
+    )
     HARMONICS = (
         "harmonics",
         "Harmonics of the modes decay with them: a spring, damper or sensor is nonlinear. The values are those of "

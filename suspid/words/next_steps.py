@@ -162,6 +162,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.NOT_CROSS_CHECKED: NextStep.RECORD_LONGER,
     ModeCheck.HALVES_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.HARMONICS: NextStep.TWO_AMPLITUDES,
+    ModeCheck.STANDS_STILL: NextStep.TWO_AMPLITUDES,
     ModeCheck.REPEATS_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.UNRESOLVED: NextStep.TWO_AMPLITUDES,
     ModeCheck.PARTS: NextStep.TWO_AMPLITUDES,

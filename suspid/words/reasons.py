@@ -28,6 +28,7 @@ class Reason(Code):
         "the motion swells to its largest and fades as one smooth wave: nothing set it free, and a swept sine or a "
         "modulated tone looks the same",
     )
+    STANDS_STILL = "stands still", "it would still swing where the record stands still: friction stops the motion"
     NO_SWING = "no swing", "doubtful, and damped before it swings: a pulse of force looks the same"
     UNSURE = "unsure", "its decay is not significant against the residual near it"
     UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"

@@ -1,0 +1,82 @@
+"""Modes that would still swing where a record stands still: a fit made them of friction that stops the motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification import UNIFORM_STD, Considered, Identification, resolution
+from suspid.records import of_channels
+from suspid.signals import as_signal
+from suspid.values import frozen_real
+from suspid.words import Reason, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# A mode swings on if more than this share of its first swing is left at the end of the stretch. Friction stops a mass
+# at its last turn: what is left of a mode of its motion is less.
+SWINGS_ON = 0.5
+# Its swing is seen if it is this many times the range of what follows for half of its period. What lies within noise
+# or the steps of a converter is not.
+SEEN, LEAST_PERIODS = 4.0, 0.5
+
+
+def without_swinging_on(found: Identification, whole: control.TimeResponseData) -> Identification:
+    """Return an identification without modes that would still swing where the record stands still behind the stretch.
+
+    The fit stays as it is, and the verdict says that it is made of such modes. A fit with friction stops by itself.
+    """
+    if found.forces or found.method != "likelihood" or not len(found.modes):
+        return found
+    on = swings_on(found, whole)
+    if not on.any() or on.all():
+        return found
+    none = tuple(
+        Considered(pole=complex(pole), remark=Remark(Reason.STANDS_STILL), removed=True)
+        for pole in found.modes.poles[on]
+    )
+    return replace(
+        found,
+        modes=found.modes[~on],
+        loudness=frozen_real(found.loudness[~on]),
+        considered=(*none, *found.considered),
+    )
+
+
+def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray[np.bool_]:
+    """Return which modes would still swing where the record stands still, (mode,).
+
+    Examples
+    --------
+    >>> from suspid import identify
+    >>> from suspid.records import as_response, cut
+    >>> t = np.arange(0, 6, 0.01)
+    >>> moved = np.exp(-3 * t) * np.cos(6 * t) + 0.1 * np.exp(-0.1 * t) * np.cos(30 * t)
+    >>> record = as_response(t, np.where(t < 2, moved, 0.0)[None], ["mass"])
+    >>> swings_on(identify(cut(record, stop=1.99)), record)
+    array([False,  True])
+    """
+    part = as_signal(found.response)
+    after = as_signal(of_channels(whole, part.channels))
+    behind = after.values[:, after.timepts > part.timepts[-1] + 0.5 * part.step]
+    time, poles = part.step * np.arange(part.values.shape[1]), found.modes.poles
+    others = [c.pole for c in found.considered if c.removed and c.pole.real < 0]
+    courses = np.exp(np.outer(time, [*poles, *others]))
+    basis = np.concatenate([courses.real, courses.imag, np.ones((len(time), 1))], axis=1)
+    weights, *_ = np.linalg.lstsq(basis, part.values.T, rcond=None)
+    count = courses.shape[1]
+    sizes = np.hypot(weights[: len(poles)], weights[count : count + len(poles)])
+    on = np.zeros(len(poles), bool)
+    for mode, pole in enumerate(poles):
+        left = float(np.exp(pole.real * time[-1]))
+        period = 2 * np.pi / max(abs(pole.imag), 1e-300) / part.step
+        still = behind[:, : int(min(period, behind.shape[1]))]
+        if left < SWINGS_ON or still.shape[1] < LEAST_PERIODS * period:
+            continue
+        seen = np.maximum(SEEN * np.ptp(still, axis=1), resolution(part.values) / UNIFORM_STD)
+        on[mode] = bool(np.any(2 * sizes[mode] * left > seen))
+    return on

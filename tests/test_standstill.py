@@ -1,0 +1,77 @@
+"""Motion that stops: a mode that would go on is none."""
+
+from __future__ import annotations
+
+import importlib
+
+import control
+import numpy as np
+import pytest
+
+from suspid import Identification, analyse, identify
+from suspid.analysis.standstill import swings_on, without_swinging_on
+from suspid.records import as_response, cut
+from suspid.words import Level, ModeCheck, Reason
+
+TIME = np.arange(0, 6, 0.01)
+STOP = 2.0
+
+
+def stopped(*, noise: float = 0.0, after: float = 0.0, light: float = 0.1) -> control.TimeResponseData:
+    """Return a mass that stops at once, with a small motion beside its own that has hardly decayed by then."""
+    moved = np.exp(-3 * TIME) * np.cos(6 * TIME) + 0.1 * np.exp(-light * TIME) * np.cos(30 * TIME)
+    beyond = after * 0.1 * np.cos(30 * TIME)
+    values = np.where(TIME < STOP, moved, beyond) + noise * np.random.default_rng(1).standard_normal(TIME.size)
+    return as_response(TIME, values[None], ["mass"])
+
+
+def of(record: control.TimeResponseData) -> Identification:
+    return identify(cut(record, stop=STOP - 0.01))
+
+
+@pytest.mark.parametrize(
+    ("made", "on"),
+    [
+        ({}, True),
+        ({"noise": 1e-3}, True),
+        ({"after": 0.3}, False),  # what follows hides it
+        ({"after": 1.0}, False),  # it goes on
+        ({"light": 0.5}, False),  # a third of it is left: a mass stops at a turn
+    ],
+)
+def test_a_mode_that_would_swing_on_is_seen(made: dict[str, float], *, on: bool) -> None:
+    record = stopped(**made)
+    found = of(record)
+    assert len(found.modes) == 2
+    assert swings_on(found, record).tolist() == [False, on]
+
+
+def test_it_is_rejected_and_the_rest_is_doubtful() -> None:
+    record = stopped(noise=1e-3)
+    found = of(record)
+    left = without_swinging_on(found, record)
+    assert [complex(pole) for pole in left.modes.poles] == [complex(found.modes.poles[0])]
+    assert left.considered[0].remark.code is Reason.STANDS_STILL
+    assert left.verdict.level is Level.DOUBTFUL
+    assert ModeCheck.STANDS_STILL in {check.remark.code for check in left.verdict.checks}
+
+
+def test_of_a_record_that_ends_with_its_decay_nothing_is_rejected() -> None:
+    record = cut(stopped(noise=1e-3), stop=STOP - 0.01)
+    found = of(record)
+    assert without_swinging_on(found, record) is found
+
+
+def test_the_first_command_tells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where friction is not found by the fit, its modes are."""
+    module = importlib.import_module("suspid.analysis.analyse")
+    monkeypatch.setattr(module, "stretch_of", lambda record, _: _used(record))
+    found = analyse(stopped(noise=1e-3))
+    assert Reason.STANDS_STILL in {c.remark.code for c in found.identification.considered}
+
+
+def _used(record: control.TimeResponseData) -> object:
+    from suspid.analysis.used import Used
+
+    part = cut(record, stop=STOP - 0.01)
+    return Used(record=part, decays=(), used=(), notes=(), identification=identify(part))
