@@ -114,7 +114,7 @@ class TestHeld:
     @pytest.mark.parametrize(("levels", "left"), [(2, True), (3, True), (5, False)])
     def test_what_has_a_few_values_only_is_none(self, levels: int, left: bool) -> None:
         """A sensor at rest that toggles by a step of its resolution, or a valve that is switched again and again."""
-        values = np.random.default_rng(3).integers(0, levels, 900) * 0.017
+        values = np.asarray(np.random.default_rng(3).integers(0, levels, 900) * 0.017, float)
         assert self.rates(values) == (["other"] if left else ["other", "asked"])
 
 

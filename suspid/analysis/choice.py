@@ -47,7 +47,7 @@ PLAIN = Settings()
 OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # A fit to a stretch so short is a guess where it leaves this multiple of the power of noise near a mode: what it leaves
 # has the size of what tells the damping.
-SHORT, FAR_FROM_NOISE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT}), 10.0
+LITTLE_SEEN, FAR_FROM_NOISE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT}), 10.0
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
 # Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
@@ -139,7 +139,7 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
     refuted, answered = (FIT, ANSWERED) if settled(found) and not bent else (frozenset(), frozenset())
     answered |= FIT if not bent and explained_by_forces(found) else frozenset()
-    guessed = SHORT if np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE else frozenset()
+    guessed = LITTLE_SEEN if np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE else frozenset()
     own = (
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),

@@ -74,4 +74,4 @@ def _share(found: Identification, about: Mapping[str, float]) -> float:
         return 0.0
     fitted = as_signal(found.fitted)
     energies = np.sum((fitted.values - fitted.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
-    return max(own / max(about[name], 1e-300) for name, own in zip(fitted.channels, energies.tolist(), strict=True))
+    return float(max(own / max(about[name], 1e-300) for name, own in zip(fitted.channels, energies, strict=True)))

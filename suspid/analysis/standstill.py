@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SWINGS_ON = 0.5
 # Its swing is seen if it is this many times the range of what follows for half of its period. What lies within noise
 # or the steps of a converter is not.
-SEEN, LEAST_PERIODS = 4.0, 0.5
+SEEN, PERIODS_BEHIND = 4.0, 0.5
 
 
 def without_swinging_on(found: Identification, whole: control.TimeResponseData) -> Identification:
@@ -75,7 +75,7 @@ def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray
         left = float(np.exp(pole.real * time[-1]))
         period = 2 * np.pi / max(abs(pole.imag), 1e-300) / part.step
         still = behind[:, : int(min(period, behind.shape[1]))]
-        if left < SWINGS_ON or still.shape[1] < LEAST_PERIODS * period:
+        if left < SWINGS_ON or still.shape[1] < PERIODS_BEHIND * period:
             continue
         seen = np.maximum(SEEN * np.ptp(still, axis=1), resolution(part.values) / UNIFORM_STD)
         on[mode] = bool(np.any(2 * sizes[mode] * left > seen))
