@@ -199,6 +199,8 @@ SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in ran
 
 
 class TestJitter:
+    """The same stamps: wrong if the samples are regular, right if the samples were taken then."""
+
     def test_a_clock_that_wanders_under_rounded_stamps_keeps_its_samples(self) -> None:
         """A controller at about 887 Hz, whose rate changes by half a permille, stamped in whole milliseconds."""
         rates = np.repeat([887.4, 887.0, 886.6], 3300)
@@ -209,12 +211,22 @@ class TestJitter:
         assert 1 / clock.step == pytest.approx(887.0, rel=1e-3)
         assert kinds(clock) == ["jittering stamps"]
 
+    def test_long_steps_at_a_beat_are_no_missing_rows(self) -> None:
+        """The same controller, further off a line: the steps of 2 ms come after 7 or 8 rows, which is no chance."""
+        rates = 886.3 + 0.6 * np.sin(np.arange(20_000) / 1500)
+        true = np.cumsum(1 / rates)
+        clock = read_clock(np.floor(true * 1000) / 1000, np.sin(15.5 * true)[None])
+        assert clock.places is not None
+        assert np.array_equal(clock.places, np.arange(true.size))
+        assert 1 / clock.step == pytest.approx(886.3, rel=1e-3)
+        lost = np.random.default_rng(1).random(20_000) < 0.1
+        rows = np.flatnonzero(~lost)
+        assert np.array_equal(read_clock(rows / 1000, np.sin(rows / 60)[None]).places, rows - rows[0])
+
     def test_stamps_that_stray_further_are_irregular_still(self) -> None:
         rates = np.repeat([900.0, 887.0, 870.0], 3300)
         true = np.cumsum(1 / rates)
         assert read_clock(np.floor(true * 1000) / 1000, np.sin(15.5 * true)[None]).places is None
-
-    """The same stamps: wrong if the samples are regular, right if the samples were taken then."""
 
     @pytest.mark.parametrize("seed", SEEDS)
     @pytest.mark.parametrize("rounding", [3, 9])

@@ -24,7 +24,8 @@ TAIL_HALVINGS = 5
 IN_A_ROW = 2
 # Pairs of poles that are sought: a free end has few. More follow forced motion, and take most of the time.
 END_PAIRS = 6
-# Blocks that each of them needs, three cycles of the highest one: more poles follow short forced motions by chance.
+# Blocks of a single channel that each of them needs, three cycles of the highest one: more poles follow short forced
+# motions by chance.
 BLOCKS_A_POLE = 3 * BLOCKS_A_CYCLE
 
 
@@ -80,7 +81,7 @@ def free_since(
         if values.shape[1] < FEWEST_SAMPLES * size or clearly_driven(values, size=size):
             return None
         trial = tried(values, step=signal.step, size=size, least=finest**2 / size, most=LOOK_BLOCKS, sought=END_PAIRS)
-        if trial is None or trial.residual.shape[1] < BLOCKS_A_POLE * trial.poles:
+        if trial is None or _blocks_of_one(trial) < BLOCKS_A_POLE * trial.poles:
             return None
         return trial if refused(trial) is None and fits(trial) else None
 
@@ -103,6 +104,15 @@ def free_since(
         return None
     before = free[-1] + 1
     return _earliest(at, places[before] if before < len(places) else 0, places[free[-1]])
+
+
+def _blocks_of_one(trial: Trial) -> float:
+    """Return of how many blocks a single channel has as many samples for each unknown of a pole.
+
+    A pole has its frequency and decay once, and two amplitudes in each channel.
+    """
+    channels, blocks = trial.residual.shape
+    return 2 * channels / (channels + 1) * blocks
 
 
 def _longest_run(free: Sequence[bool]) -> range:

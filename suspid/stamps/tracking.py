@@ -13,6 +13,9 @@ from suspid.units import Hertz, RealArray, Second
 SHORTEST = 1e-12
 # Rows in one hole beyond which they are not counted: places must stay integers that doubles hold.
 LONGEST_HOLE = float(1 << 31)
+# Long steps that are a beat with the rounding: at least as many, whose distances scatter by less than this share of
+# their mean. Fewer are alike by chance; chance alone scatters by about their mean.
+FEWEST_BEATS, EVEN_BEATS = 20, 0.3
 
 
 def nearest_grid(times: RealArray) -> tuple[Indices, Second, Second] | None:
@@ -32,16 +35,30 @@ def nearest_grid(times: RealArray) -> tuple[Indices, Second, Second] | None:
         step = better
     if step < SHORTEST:
         return None
-    candidates = [_with_holes(times, step, 0.5 * rounding)]
+    beats = _beats(steps, resolution(times))
+    candidates = [] if beats else [_with_holes(times, step, 0.5 * rounding)]
     plain = np.arange(times.size)
     begin, even, _ = line(plain, times)
     if even > 0:
         candidates.append((plain, begin, even))
-    followed = _tracked(times)
+    followed = None if beats else _tracked(times)
     if followed is not None:
         candidates.append(followed)
     floor = times.size * resolution(times) ** 2 / 12
     return min(candidates, key=lambda fit: _price(times, fit, floor))
+
+
+def _beats(steps: RealArray, rounding: Second) -> bool:
+    """Return whether long steps come as regularly as the beat of a slower clock with the rounding of its stamps.
+
+    Rows that are lost by chance lie as far apart as their distances scatter.
+    """
+    ticks = np.round(steps / rounding)
+    long = np.flatnonzero(ticks > 1)
+    if long.size < FEWEST_BEATS or np.median(ticks) != 1 or np.any(ticks[long] > 2):
+        return False
+    apart = np.diff(long)
+    return bool(np.std(apart) < EVEN_BEATS * np.mean(apart))
 
 
 def _price(times: RealArray, fit: tuple[Indices, Second, Second], floor: float) -> float:
