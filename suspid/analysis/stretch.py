@@ -11,6 +11,7 @@ import numpy as np
 from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.far_larger import far_larger
+from suspid.analysis.first_rest import until_one_rests
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.longer import longer, shared_modes, with_identification
@@ -62,7 +63,8 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
         best = longer(record, _best(record, settings), settings)
-        return _once_free(record, _sounder(record, best, settings), settings)
+        free = _once_free(record, _sounder(record, best, settings), settings)
+        return until_one_rests(record, free, settings)
     decays = find_decays(record)
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
@@ -101,6 +103,8 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         if late and not clear[0].doubts and swings(clear[0]):
             return best
         part = tried(best.record, settings)
+        best = until_one_rests(record, replace(best, identification=part), settings)
+        part = best.identification
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
         pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not swings(part.modes)
