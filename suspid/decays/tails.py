@@ -112,7 +112,7 @@ def _blocks_of_one(trial: Trial) -> float:
     A pole has its frequency and decay once, and two amplitudes in each channel.
     """
     channels, blocks = trial.residual.shape
-    return 2 * channels / (channels + 1) * blocks
+    return float(2 * channels / (channels + 1) * blocks)
 
 
 def _longest_run(free: Sequence[bool]) -> range:
