@@ -111,6 +111,12 @@ class TestHeld:
         values = np.concatenate([np.zeros(150), np.repeat(pulse, 9), np.full(200, pulse[-1])])
         assert self.rates(values) == ["other"]
 
+    @pytest.mark.parametrize("name", ["duty_cycle", "PWM 1", "Commanded Pos", "set point"])
+    def test_what_is_named_as_a_command_is_one(self, name: str) -> None:
+        values = np.sin(0.2 * np.arange(900)) * np.exp(-np.arange(900) / 200)
+        record = as_response(clock(900), np.stack([values, values**2]), ["cart", name])
+        assert list(without_held(record)[0].output_labels) == ["cart"]
+
     @pytest.mark.parametrize(("levels", "left"), [(2, True), (3, True), (5, False)])
     def test_what_has_a_few_values_only_is_none(self, levels: int, left: bool) -> None:
         """A sensor at rest that toggles by a step of its resolution, or a valve that is switched again and again."""

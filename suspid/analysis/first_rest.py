@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # Share of a stretch that must be left where it ends with the first channel that rests. A channel that rests for longer
 # is no mass of the motion.
-LEAST_LEFT = 0.5
+SHARE_LEFT = 0.5
 # Samples in a row that are alike: of two the last ones of a record may be by chance.
 FEWEST_ALIKE = 3
 
@@ -41,7 +41,7 @@ def until_one_rests(record: control.TimeResponseData, best: Used, settings: Sett
     ]
     stop = min(map(rests_from, channels))
     if (
-        not decay.start + LEAST_LEFT * (decay.stop - decay.start)
+        not decay.start + SHARE_LEFT * (decay.stop - decay.start)
         < stop
         < part.timepts[-1] - (FEWEST_ALIKE - 0.5) * part.step
     ):

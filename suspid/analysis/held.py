@@ -29,7 +29,9 @@ FEW_VALUES = 3
 # no slower than this many.
 LEAST_TURNS, SWING, RINGS_FOR = 3, 0.02, 3
 # Words of names of what was asked for, not measured. Controllers that are switched off let it follow a sensor.
-COMMAND = re.compile(r"(?<![a-z])(command(ed)?|cmd|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE)
+COMMAND = re.compile(
+    r"(?<![a-z])(command(ed)?|cmd|duty|pwm|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE
+)
 
 
 def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
