@@ -62,6 +62,12 @@ def test_of_a_record_that_ends_with_its_decay_nothing_is_rejected() -> None:
     assert without_swinging_on(found, record) is found
 
 
+def test_of_other_channels_nothing_is_said() -> None:
+    record = stopped(noise=1e-3)
+    other = as_response(record.time, record.y[:1], ["other"])
+    assert not swings_on(of(record), other).any()
+
+
 def test_the_first_command_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where friction is not found by the fit, its modes are."""
     module = importlib.import_module("suspid.analysis.analyse")

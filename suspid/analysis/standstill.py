@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification import UNIFORM_STD, Considered, Identification, resolution
-from suspid.records import of_channels
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import frozen_real
 from suspid.words import Reason, Remark
@@ -60,9 +60,11 @@ def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray
     >>> swings_on(identify(cut(record, stop=1.99)), record)
     array([False,  True])
     """
-    part = as_signal(found.response)
-    after = as_signal(of_channels(whole, part.channels))
-    behind = after.values[:, after.timepts > part.timepts[-1] + 0.5 * part.step]
+    part, after = as_signal(held(found, "response")), as_signal(whole)
+    if not set(part.channels) <= set(after.channels):
+        return np.zeros(len(found.modes), bool)
+    rows = [after.channels.index(name) for name in part.channels]
+    behind = after.values[rows][:, after.timepts > part.timepts[-1] + 0.5 * part.step]
     time, poles = part.step * np.arange(part.values.shape[1]), found.modes.poles
     others = [c.pole for c in found.considered if c.removed and c.pole.real < 0]
     courses = np.exp(np.outer(time, [*poles, *others]))
