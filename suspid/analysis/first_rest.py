@@ -40,11 +40,8 @@ def until_one_rests(record: control.TimeResponseData, best: Used, settings: Sett
         replace(part, values=row[None], channels=(name,)) for name, row in zip(part.channels, part.values, strict=True)
     ]
     stop = min(map(rests_from, channels))
-    if (
-        not decay.start + SHARE_LEFT * (decay.stop - decay.start)
-        < stop
-        < part.timepts[-1] - (FEWEST_ALIKE - 0.5) * part.step
-    ):
+    early = stop <= decay.start + SHARE_LEFT * (decay.stop - decay.start)
+    if early or stop > part.timepts[-1] - (FEWEST_ALIKE - 0.5) * part.step:
         return best
     used = used_of(record, best.decays, replace(decay, stop=stop))
     less = tried(used.record, settings)

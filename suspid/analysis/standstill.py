@@ -60,25 +60,26 @@ def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray
     >>> swings_on(identify(cut(record, stop=1.99)), record)
     array([False,  True])
     """
-    part, after = as_signal(held(found, "response")), as_signal(whole)
+    part, after, poles = as_signal(held(found, "response")), as_signal(whole), found.modes.poles
+    on = np.zeros(len(poles), bool)
     if not set(part.channels) <= set(after.channels):
-        return np.zeros(len(found.modes), bool)
+        return on
+    time = part.step * np.arange(part.values.shape[1])
+    left = np.exp(poles.real * time[-1])
+    periods = 2 * np.pi / np.abs(poles.imag).clip(1e-300) / part.step
     rows = [after.channels.index(name) for name in part.channels]
     behind = after.values[rows][:, after.timepts > part.timepts[-1] + 0.5 * part.step]
-    time, poles = part.step * np.arange(part.values.shape[1]), found.modes.poles
+    may = np.flatnonzero((left > SWINGS_ON) & (behind.shape[1] >= PERIODS_BEHIND * periods))
+    # The fit to all poles is sought only where it is needed: it takes a table of samples by poles.
+    if not may.size:
+        return on
     others = [c.pole for c in found.considered if c.removed and c.pole.real < 0]
     courses = np.exp(np.outer(time, [*poles, *others]))
     basis = np.concatenate([courses.real, courses.imag, np.ones((len(time), 1))], axis=1)
     weights, *_ = np.linalg.lstsq(basis, part.values.T, rcond=None)
-    count = courses.shape[1]
-    sizes = np.hypot(weights[: len(poles)], weights[count : count + len(poles)])
-    on = np.zeros(len(poles), bool)
-    for mode, pole in enumerate(poles):
-        left = float(np.exp(pole.real * time[-1]))
-        period = 2 * np.pi / max(abs(pole.imag), 1e-300) / part.step
-        still = behind[:, : int(min(period, behind.shape[1]))]
-        if left < SWINGS_ON or still.shape[1] < PERIODS_BEHIND * period:
-            continue
-        seen = np.maximum(SEEN * np.ptp(still, axis=1), resolution(part.values) / UNIFORM_STD)
-        on[mode] = bool(np.any(2 * sizes[mode] * left > seen))
+    step = resolution(part.values) / UNIFORM_STD
+    for mode in may:
+        swing = 2 * left[mode] * np.hypot(weights[mode], weights[courses.shape[1] + mode])
+        still = behind[:, : int(min(periods[mode], behind.shape[1]))]
+        on[mode] = bool(np.any(swing > np.maximum(SEEN * np.ptp(still, axis=1), step)))
     return on
