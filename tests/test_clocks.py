@@ -213,7 +213,7 @@ class TestJitter:
 
     def test_long_steps_at_a_beat_are_no_missing_rows(self) -> None:
         """The same controller, further off a line: the steps of 2 ms come after 7 or 8 rows, which is no chance."""
-        rates = 886.3 + 0.6 * np.sin(np.arange(20_000) / 1500)
+        rates = 886.3 + 1.0 * np.sin(np.arange(20_000) / 3000)
         true = np.cumsum(1 / rates)
         clock = read_clock(np.floor(true * 1000) / 1000, np.sin(15.5 * true)[None])
         assert clock.places is not None

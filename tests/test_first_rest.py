@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from suspid import Decay, Decays, Settings, analyse, identify
+from suspid.analysis import first_rest
 from suspid.analysis.first_rest import until_one_rests
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
@@ -60,10 +61,13 @@ def test_the_stretch_ends_where_the_first_mass_rests() -> None:
 
 
 @pytest.mark.parametrize(("holds", "rest"), [(False, 1.0), (True, 0.005), (True, -0.1)])
-def test_nothing_changes_where_all_move_to_the_end(rest: float, *, holds: bool) -> None:
+def test_nothing_is_tried_where_all_move_to_the_end(
+    rest: float, monkeypatch: pytest.MonkeyPatch, *, holds: bool
+) -> None:
     """Nor where two samples at the end are alike."""
     record = held_one(holds=holds, rest=rest)
     before = used(record)
+    monkeypatch.setattr(first_rest, "tried", lambda *_: pytest.fail("a shorter stretch was tried"))
     assert until_one_rests(record, before, Settings()) is before
 
 

@@ -6,12 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.signal import butter, lfilter, sosfilt
+from scipy.signal import butter, lfilter, lsim, sosfilt
 
 from suspid import analyse, find_decays, identify
 from suspid.analysis.forced_start import later_starts
 from suspid.decays import tails
 from suspid.decays.envelopes import finest
+from suspid.decays.releases import releases
 from suspid.decays.tails import free_end
 from suspid.decays.trials import BLOCKS_A_CYCLE
 from suspid.identification.ascent import Quadratic
@@ -156,6 +157,26 @@ def test_noise_has_no_free_end() -> None:
     for seed in range(4):
         values = np.random.default_rng(seed).standard_normal((1, COUNT))
         assert free_end(Signal(start=0.0, step=1 / FS, values=values, channels=("a",)), finest(values)) is None
+
+
+@pytest.mark.parametrize(("channels", "found"), [(3, True), (1, False)])
+def test_releases_of_a_second_and_a_half_need_several_channels(channels: int, *, found: bool) -> None:
+    """A corner of a car is pushed four times, 30 samples a second: two modes of a decay have 45 samples."""
+    fine, rng = np.arange(0, 24, 1 / 600), np.random.default_rng(4)
+    force = sum(
+        np.sin(np.pi * (fine - at) / 0.35) * ((fine > at) & (fine < at + 0.35)) for at in (10.0, 12.0, 14.0, 16.0)
+    )
+    force += np.sin(2 * np.pi * 1.9 * fine) * (fine > 2) * (fine < 8.7)
+    motion = np.zeros((3, fine.size))
+    for hertz, zeta, shape in ((1.9, 0.3, (0.6, 1.0, -0.8)), (3.1, 0.09, (-0.5, 0.6, 0.3))):
+        wn = 2 * np.pi * hertz
+        _, own, _ = lsim(([wn**2], [1, 2 * zeta * wn, wn**2]), force, fine)
+        motion += np.outer(shape, own)
+    values = motion[:channels, ::20][:, :530] + 4e-3 * rng.standard_normal((channels, 530))
+    names = ("x", "y", "z")[:channels]
+    here, looked = releases(Signal(start=0.0, step=1 / 30, values=values, channels=names), finest(values))
+    assert looked > 1
+    assert bool(here) == found
 
 
 @pytest.mark.parametrize("limit", [0.05, 0.2, 0.5])
