@@ -16,6 +16,7 @@ from suspid.recordings import RawChannel
 from suspid.stamps import grid_of, resolution
 from suspid.stamps.digits import least_excess, line_within
 from suspid.stamps.lines import _longest
+from suspid.stamps.tracking import _beats
 from suspid.units import RealArray
 from suspid.words import Defect
 
@@ -224,6 +225,11 @@ class TestJitter:
         by_chance = read_clock(rows / 1000, np.sin(rows / 60)[None])
         assert by_chance.places is not None
         assert np.array_equal(by_chance.places, rows - rows[0])
+
+    def test_long_steps_by_chance_are_no_beat(self) -> None:
+        steps = np.where(np.random.default_rng(1).random(5000) < 0.1, 0.002, 0.001)
+        assert not _beats(steps, 0.001)
+        assert _beats(np.where(np.arange(5000) % 9 == 0, 0.002, 0.001), 0.001)
 
     def test_stamps_that_stray_further_are_irregular_still(self) -> None:
         rates = np.repeat([900.0, 887.0, 870.0], 3300)

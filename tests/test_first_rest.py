@@ -67,6 +67,7 @@ def test_nothing_is_tried_where_all_move_to_the_end(
     """Nor where two samples at the end are alike."""
     record = held_one(holds=holds, rest=rest)
     before = used(record)
+    monkeypatch.setattr(first_rest, "settled", lambda _: False)
     monkeypatch.setattr(first_rest, "tried", lambda *_: pytest.fail("a shorter stretch was tried"))
     assert until_one_rests(record, before, Settings()) is before
 
