@@ -8,8 +8,10 @@ import control
 import numpy as np
 import pytest
 
-from suspid import Identification, analyse, identify
-from suspid.analysis.standstill import swings_on, without_swinging_on
+from suspid import Identification, Settings, analyse, identify
+from suspid.analysis.standstill import swings_on
+from suspid.analysis.support import supported
+from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.words import Level, ModeCheck, Reason
 
@@ -49,7 +51,7 @@ def test_a_mode_that_would_swing_on_is_seen(made: dict[str, float], *, on: bool)
 def test_it_is_rejected_and_the_rest_is_doubtful() -> None:
     record = stopped(noise=1e-3)
     found = of(record)
-    left = without_swinging_on(found, record)
+    left = supported(found, Used(record=record, decays=(), used=(), notes=()), Settings(), whole=record)
     assert [complex(pole) for pole in left.modes.poles] == [complex(found.modes.poles[0])]
     assert left.considered[0].remark.code is Reason.STANDS_STILL
     assert left.verdict.level is Level.DOUBTFUL
@@ -59,7 +61,13 @@ def test_it_is_rejected_and_the_rest_is_doubtful() -> None:
 def test_of_a_record_that_ends_with_its_decay_nothing_is_rejected() -> None:
     record = cut(stopped(noise=1e-3), stop=STOP - 0.01)
     found = of(record)
-    assert without_swinging_on(found, record) is found
+    assert not swings_on(found, record).any()
+
+
+def test_modes_that_are_asked_for_are_not_questioned() -> None:
+    record = stopped(noise=1e-3)
+    found, used = of(record), Used(record=record, decays=(), used=(), notes=())
+    assert supported(found, used, Settings(modes=2), whole=record) is found
 
 
 def test_of_other_channels_nothing_is_said() -> None:
@@ -76,8 +84,6 @@ def test_the_first_command_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     assert Reason.STANDS_STILL in {c.remark.code for c in found.identification.considered}
 
 
-def _used(record: control.TimeResponseData) -> object:
-    from suspid.analysis.used import Used
-
+def _used(record: control.TimeResponseData) -> Used:
     part = cut(record, stop=STOP - 0.01)
     return Used(record=part, decays=(), used=(), notes=(), identification=identify(part))

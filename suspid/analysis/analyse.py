@@ -17,7 +17,6 @@ from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
-from suspid.analysis.standstill import without_swinging_on
 from suspid.analysis.stretch import stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
 from suspid.analysis.used import Used
@@ -234,7 +233,7 @@ def _identified(
 ) -> tuple[Identification, Repeats | None, Used]:
     """Return the identification of the decay and, where several are used, that of all jointly; and what was used."""
     if len(stretch.used) < 2:
-        found = without_swinging_on(stretch.identification or identified(stretch.record, settings), whole)
+        found = stretch.identification or identified(stretch.record, settings)
         wave, alone = of_a_wave(found, stretch, settings, whole)
         kept = supported(found, stretch, settings, whole=whole, wave=alone)
         return kept, None, doubted_as_wave(stretch) if wave else stretch

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.analysis.used import Used
 from suspid.identification import FEWEST_SAMPLES, Identification
-from suspid.signals import as_signal
+from suspid.signals import Signal, as_signal
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
 
     A knock in the calm end of a record looks like a decay more often than the motion that was to be recorded.
     """
-    signal = as_signal(record)
-    energies = np.sum((signal.values - signal.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
-    about = dict(zip(signal.channels, energies.tolist(), strict=True))
+    about = _energies(as_signal(record))
     shares = [0.0 if one.identification is None else _share(one.identification, about) for one in tries]
     most = int(np.argmax(shares))
     return tries[most] if shares[most] > FAR_MORE * shares[0] else tries[0]
@@ -72,6 +70,10 @@ def _share(found: Identification, about: Mapping[str, float]) -> float:
     """Return the share of the energy of a record, by channel, that the modes of a part explain in its best channel."""
     if not len(found.modes):
         return 0.0
-    fitted = as_signal(found.fitted)
-    energies = np.sum((fitted.values - fitted.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
-    return float(max(own / max(about[name], 1e-300) for name, own in zip(fitted.channels, energies, strict=True)))
+    return max(own / max(about[name], 1e-300) for name, own in _energies(as_signal(found.fitted)).items())
+
+
+def _energies(signal: Signal) -> dict[str, float]:
+    """Return the energy of each channel about its mean."""
+    about = signal.values - signal.values.mean(axis=1, keepdims=True)
+    return dict(zip(signal.channels, np.sum(about**2, axis=1).tolist(), strict=True))

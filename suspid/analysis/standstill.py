@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import UNIFORM_STD, Considered, Identification, resolution
+from suspid.identification import UNIFORM_STD, Identification, resolution
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.values import frozen_real
-from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
     import control
@@ -25,30 +22,10 @@ SWINGS_ON = 0.5
 SEEN, PERIODS_BEHIND = 4.0, 0.5
 
 
-def without_swinging_on(found: Identification, whole: control.TimeResponseData) -> Identification:
-    """Return an identification without modes that would still swing where the record stands still behind the stretch.
-
-    The fit stays as it is, and the verdict says that it is made of such modes. A fit with friction stops by itself.
-    """
-    if found.forces or found.method != "likelihood" or not len(found.modes):
-        return found
-    on = swings_on(found, whole)
-    if not on.any() or on.all():
-        return found
-    none = tuple(
-        Considered(pole=complex(pole), remark=Remark(Reason.STANDS_STILL), removed=True)
-        for pole in found.modes.poles[on]
-    )
-    return replace(
-        found,
-        modes=found.modes[~on],
-        loudness=frozen_real(found.loudness[~on]),
-        considered=(*none, *found.considered),
-    )
-
-
 def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray[np.bool_]:
-    """Return which modes would still swing where the record stands still, (mode,).
+    """Return which modes would still swing where the record stands still behind the stretch, (mode,).
+
+    None of a fit with friction or other forces, which stops by itself.
 
     Examples
     --------
@@ -62,7 +39,7 @@ def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray
     """
     part, after, poles = as_signal(held(found, "response")), as_signal(whole), found.modes.poles
     on = np.zeros(len(poles), bool)
-    if not set(part.channels) <= set(after.channels):
+    if found.forces or not len(poles) or not set(part.channels) <= set(after.channels):
         return on
     time = part.step * np.arange(part.values.shape[1])
     left = np.exp(poles.real * time[-1])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
+from suspid.analysis.standstill import swings_on
 from suspid.analysis.stretch import swings
 from suspid.analysis.swelling import beyond_wave
 from suspid.analysis.swings import shown_by_swings
@@ -44,11 +45,14 @@ def supported(
     one by chance more often than a stretch that was given. What is not beyond doubt by itself then needs support: the
     same modes in both halves of the stretch, or in another stretch, or a mode whose swings the ``whole`` record shows
     between two rests, or that is nearly all of the motion over many cycles. What a ``wave`` (see `of_a_wave`) explains
-    down to the noise of the fit has none. The fit stays as it is. What the settings choose, a stretch or the number of
-    modes, is not questioned.
+    down to the noise of the fit has none. A mode that would swing on where the ``whole`` record stands still is none.
+    The fit stays as it is. What the settings choose, a stretch or the number of modes, is not questioned.
     """
     if not _questioned(found, settings):
         return found
+    on = np.zeros(len(found.modes), bool) if whole is None else swings_on(found, whole)
+    if on.any() and not on.all():
+        found = _without(found, on, Remark(Reason.STANDS_STILL))
     lost = wave and (not stretch.used or level_of(found, stretch.used, stretch.decays) is Level.DOUBTFUL)
     reason = Remark(Reason.SWELLS) if lost else _reason(found, stretch)
     if reason is None:
@@ -60,11 +64,16 @@ def supported(
         shown |= _coherent(found)
     if shown.all():
         return found
-    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles[~shown])
+    return _without(found, ~shown, reason)
+
+
+def _without(found: Identification, lost: NDArray[np.bool_], reason: Remark) -> Identification:
+    """Return an identification without some of its modes, which are rejected for a reason; the fit stays as it is."""
+    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles[lost])
     return replace(
         found,
-        modes=found.modes[shown],
-        loudness=frozen_real(found.loudness[shown]),
+        modes=found.modes[~lost],
+        loudness=frozen_real(found.loudness[~lost]),
         considered=(*none, *found.considered),
         amplitude_dependence=(),
         forces=(),
