@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
+from typing import Any
 
 import control
 import numpy as np
@@ -62,6 +64,12 @@ def test_of_a_record_that_ends_with_its_decay_nothing_is_rejected() -> None:
     record = cut(stopped(noise=1e-3), stop=STOP - 0.01)
     found = of(record)
     assert not swings_on(found, record).any()
+
+
+def test_a_fit_with_forces_stops_by_itself() -> None:
+    record = stopped(noise=1e-3)
+    forces: Any = (object(),)
+    assert not swings_on(replace(of(record), forces=forces), record).any()
 
 
 def test_modes_that_are_asked_for_are_not_questioned() -> None:
