@@ -12,6 +12,7 @@ from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels
+from suspid.analysis.later import from_later
 from suspid.analysis.means import with_means, with_means_of_longest
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
@@ -236,6 +237,9 @@ def _identified(
         found = stretch.identification or identified(stretch.record, settings)
         wave, alone = of_a_wave(found, stretch, settings, whole)
         kept = supported(found, stretch, settings, whole=whole, wave=alone)
+        later = None if wave else from_later(whole, stretch, kept, settings)
+        if later is not None and later.identification is not None:
+            return later.identification, None, later
         return kept, None, doubted_as_wave(stretch) if wave else stretch
     repeats = identify_repeats(whole, stretch.used, modes=settings.modes, band_hz=settings.band_hz)
     return repeats.each[0], repeats, stretch

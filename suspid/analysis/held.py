@@ -1,4 +1,4 @@
-"""Commands and forces: channels that are constant except for jumps, or named as commands, and not motions."""
+"""Commands and forces: channels that are constant except for jumps or blows, or named as commands, and not motions."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.analysis.blows import blows_of
 from suspid.analysis.swings import turns_of
 from suspid.levels import EXACT
 from suspid.records import of_channels
@@ -37,8 +38,8 @@ COMMAND = re.compile(
 def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
     """Return the record without commands and forces, and what was left out.
 
-    Those hold their value but for a few jumps, or are named as commands beside channels that are not. A record of such
-    channels alone, or one too short to tell, stays as it is.
+    Those hold their value but for a few jumps, measure blows (see `blows_of`), or are named as commands beside channels
+    that are not. A record of such channels alone, or one too short to tell, stays as it is.
 
     Examples
     --------
@@ -52,18 +53,23 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
     """
     signal = as_signal(record)
     jumps = dict(zip(signal.channels, map(_jumps, signal.values), strict=True))
-    moving = [name for name, number in jumps.items() if number is None]
+    blows = dict(zip(signal.channels, blows_of(signal.values).tolist(), strict=True))
+    moving = [name for name, number in jumps.items() if number is None and not blows[name]]
     kept = [name for name in moving if not COMMAND.search(name)] or moving
     if not kept or len(kept) == len(signal.channels):
         return record, ()
-    notes = tuple(
-        Remark(Note.COMMAND_CHANNEL, {"channel": name})
-        if number is None
-        else Remark(Note.HELD_CHANNEL, {"channel": name, "jumps": number})
-        for name, number in jumps.items()
-        if name not in kept
+    return of_channels(record, kept), tuple(
+        _why(name, jumps[name], blows[name]) for name in signal.channels if name not in kept
     )
-    return of_channels(record, kept), notes
+
+
+def _why(name: str, jumps: int | None, blows: int) -> Remark:
+    """Return why a channel is left out."""
+    if blows:
+        return Remark(Note.BLOW_CHANNEL, {"channel": name, "blows": blows})
+    if jumps is None:
+        return Remark(Note.COMMAND_CHANNEL, {"channel": name})
+    return Remark(Note.HELD_CHANNEL, {"channel": name, "jumps": jumps})
 
 
 def toggles(samples: RealArray) -> bool:

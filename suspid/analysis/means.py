@@ -13,10 +13,10 @@ from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import longest, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import NO_CYCLE
-from suspid.analysis.used import Used, used_of
+from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import Decays, block_means, by_chance
 from suspid.identification import FEWEST_SAMPLES, Identification
-from suspid.records import like
+from suspid.records import like, of_channels
 from suspid.signals import as_signal
 from suspid.units import RadianPerSecond, Second
 from suspid.words import Level, Note, Remark
@@ -74,18 +74,19 @@ def _of_parts(used: Used, settings: Settings, parts: Iterable[Used]) -> Used:
 
 
 def _parts(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
-    """Yield the part that is used, and other decays."""
+    """Yield the part that is used, and other decays, of the same channels."""
     yield used
     if isinstance(used.decays, Decays):
+        record = of_channels(record, as_signal(used.record).channels)
         others = [decay for decay in used.decays if decay not in used.used and not by_chance(decay)]
-        yield from (used_of(record, used.decays, decay) for decay in others[:OTHERS_IN_MEANS])
+        yield from (instead_of(used, used_of(record, used.decays, decay)) for decay in others[:OTHERS_IN_MEANS])
 
 
 def _longest(record: control.TimeResponseData, used: Used) -> Iterator[Used]:
     """Yield the longest decay, looked for only when it is asked for."""
     part = longest(record, used)
     if part is not None:
-        yield part
+        yield instead_of(used, part)
 
 
 def _agreed(part: Used, settings: Settings) -> Used | None:

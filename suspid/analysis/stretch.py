@@ -14,6 +14,7 @@ from suspid.analysis.far_larger import far_larger
 from suspid.analysis.first_rest import until_one_rests
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
+from suspid.analysis.idle import without_idle
 from suspid.analysis.longer import longer, shared_modes, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
@@ -49,7 +50,8 @@ def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if settings.channels is None:
         record, held = without_held(record)
         record, derived = without_derivatives(record)
-        left_out = (*held, *derived)
+        record, idle = without_idle(record)
+        left_out = (*held, *derived, *idle)
     found = _stretch_of(record, settings)
     return replace(found, notes=(*left_out, *found.notes))
 

@@ -48,7 +48,7 @@ def supported(
     down to the noise of the fit has none. A mode that would swing on where the ``whole`` record stands still is none.
     The fit stays as it is. What the settings choose, a stretch or the number of modes, is not questioned.
     """
-    if not _questioned(found, settings):
+    if not questioned(found, settings):
         return found
     on = np.zeros(len(found.modes), bool) if whole is None else swings_on(found, whole)
     if on.any() and not on.all():
@@ -88,7 +88,7 @@ def of_a_wave(
     Free motion that forces build up looks like a wave too, but is none down to the noise. A whole record that is free
     from its first sample on does not swell.
     """
-    if not _questioned(found, settings) or _long_checked(found, stretch):
+    if not questioned(found, settings) or _long_checked(found, stretch):
         return False, False
     beyond = beyond_wave(whole, found)
     wave = beyond < np.inf
@@ -105,7 +105,7 @@ def doubted_as_wave(stretch: Used) -> Used:
     )
 
 
-def _questioned(found: Identification, settings: Settings) -> bool:
+def questioned(found: Identification, settings: Settings) -> bool:
     """Return whether nothing of an identification was chosen by the settings."""
     chosen = settings.decay != "auto" or any(s is not None for s in (settings.start, settings.stop, settings.modes))
     return not chosen and found.method == "likelihood"

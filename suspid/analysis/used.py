@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,18 @@ from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
     import control
+
+# What is said of channels that are left out of a whole record; it holds for any part of it.
+OF_CHANNELS = frozenset(
+    {
+        Note.HELD_CHANNEL,
+        Note.BLOW_CHANNEL,
+        Note.IDLE_CHANNEL,
+        Note.COMMAND_CHANNEL,
+        Note.DERIVED_CHANNEL,
+        Note.FEWER_CHANNELS,
+    }
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -37,6 +49,12 @@ def used_of(record: control.TimeResponseData, decays: Decays | tuple[Decay, ...]
     doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
     part, still = _moving(cut(record, start=best.start, stop=best.stop))
     return Used(record=part, decays=decays, used=(best,), notes=(used, *doubts, *still))
+
+
+def instead_of(before: Used, part: Used) -> Used:
+    """Return another part of the same channels of a record, with what was said of those that are left out."""
+    said = tuple(note for note in before.notes if note.code in OF_CHANNELS and note not in part.notes)
+    return replace(part, notes=(*said, *part.notes))
 
 
 def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:

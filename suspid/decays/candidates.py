@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from itertools import pairwise
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.decays.bursts import Burst
-from suspid.decays.decay import Decay
+from suspid.decays.decay import FIT, Decay
 from suspid.decays.doubts import COUNTING_SHARE, clipped_samples, doubts_of, doubts_of_background
 from suspid.decays.envelopes import Envelopes
 from suspid.decays.kinds import kind_of
@@ -88,8 +88,10 @@ class Recording:
 def decays_after(recording: Recording, burst: Burst) -> Found:
     """Return the decays after an event; another begins where a band rises again, unless a decay lasts through that."""
     out, remarks = examined(recording, burst, moved=True)
-    if not burst.again or len(burst.again) > MOST_AGAIN or (out and out[0].start < burst.again[0]):
+    if not burst.again or len(burst.again) > MOST_AGAIN:
         return out, remarks
+    if out and out[0].start < burst.again[0]:
+        return (out if _free_motion(out) else _hit_again(recording, burst) or out), remarks
     for onset in reversed(burst.again):
         later, _ = examined(recording, replace(burst, onset=onset), moved=True)
         if later:
@@ -104,6 +106,22 @@ def decays_after(recording: Recording, burst: Burst) -> Found:
             before, said = examined(recording, replace(burst, onset=onset, stop=stop, cut=True), moved=True)
             out, remarks = (*out, *before), (*remarks, *said)
     return out, remarks
+
+
+def _hit_again(recording: Recording, burst: Burst) -> tuple[Decay, ...]:
+    """Return the decay after the last of several blows of one event that is free motion; none if there is none.
+
+    A hammer that bounces sets off one decay upon another.
+    """
+    for onset in reversed(burst.again):
+        later, _ = examined(recording, replace(burst, onset=onset), moved=True)
+        if later and _free_motion(later):
+            return later
+    return ()
+
+
+def _free_motion(decays: Sequence[Decay]) -> bool:
+    return not any(doubt.code in FIT for decay in decays for doubt in decay.doubts)
 
 
 def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = False) -> Found:

@@ -109,6 +109,15 @@ class Note(Code):
         "channel {channel!r} is a command or a force, not a motion: constant except for jumps ({jumps}); left out; "
         "name the channels to use it",
     )
+    BLOW_CHANNEL = (
+        "blow channel",
+        "channel {channel!r} measures blows ({blows}), not a motion: short pulses that push one way; left out; name "
+        "the channels to use it",
+    )
+    IDLE_CHANNEL = (
+        "idle channel",
+        "channel {channel!r} has the same noise whether others move or not; left out; name the channels to use it",
+    )
     COMMAND_CHANNEL = (
         "command channel",
         "channel {channel!r} is named as a command, not as a measurement; left out; name the channels to use it",

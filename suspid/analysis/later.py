@@ -1,0 +1,75 @@
+"""A decay from later on, where its first part makes the result doubtful: a blow that bounces, modes that die soon."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from suspid.analysis.choice import level_of, tried
+from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import LATER_SHARES, swings
+from suspid.analysis.support import questioned, supported
+from suspid.analysis.used import Used, instead_of, used_of
+from suspid.decays import FIT, Decay, Decays, by_chance, find_decays
+from suspid.errors import SuspidError
+from suspid.identification import Identification
+from suspid.records import of_channels
+from suspid.signals import as_signal
+from suspid.words import DecayDoubt, Level
+
+if TYPE_CHECKING:
+    import control
+
+# Doubts of the first part of a decay, or of the fit to all of it: of a later part they are judged anew.
+OF_ALL = FIT | {DecayDoubt.MODES_MISSING, DecayDoubt.NOT_IDENTIFIED, DecayDoubt.AT_START}
+
+
+def from_later(
+    record: control.TimeResponseData, stretch: Used, found: Identification, settings: Settings
+) -> Used | None:
+    """Return a later part of the decay that is used, or of the next, that is beyond doubt; None if there is none.
+
+    ``found`` is what was found in the decay that is used. Where that is not doubtful, or was chosen by the settings, no
+    other part is sought; nor where modes are found and the first part of the decay does not deviate from them.
+    """
+    decays = stretch.decays
+    if not questioned(found, settings) or len(stretch.used) != 1 or not isinstance(decays, Decays):
+        return None
+    forced = any(doubt.code is DecayDoubt.FORCED for doubt in stretch.used[0].doubts)
+    if level_of(found, stretch.used, decays) > Level.DOUBTFUL or (len(found.modes) and not forced):
+        return None
+    record = of_channels(record, as_signal(stretch.record).channels)
+    for decay in _parts(stretch.used[0], decays):
+        part = _checked(record, decay)
+        if part is None:
+            continue
+        used = instead_of(stretch, used_of(record, decays, part))
+        again = tried(used.record, settings)
+        if again is None or not len(again.modes) or not swings(again.modes):
+            continue
+        kept = supported(again, used, settings, whole=record)
+        if level_of(kept, used.used, decays) > Level.DOUBTFUL:
+            return replace(used, identification=kept)
+    return None
+
+
+def _parts(best: Decay, decays: Decays) -> Iterator[Decay]:
+    """Yield later and later parts of a decay, and of the next one."""
+    others = [decay for decay in decays if decay.start != best.start and not by_chance(decay)]
+    for decay in (best, *others[:1]):
+        for share in LATER_SHARES if decay is best else (0.0, *LATER_SHARES):
+            yield replace(decay, start=decay.start + share * (decay.stop - decay.start))
+
+
+def _checked(record: control.TimeResponseData, decay: Decay) -> Decay | None:
+    """Return a part of a decay with its own doubts, and those that are not of its first part; None if it is none."""
+    try:
+        again = find_decays(record, given=[(decay.start, decay.stop)])
+    except SuspidError:
+        return None
+    if not again:
+        return None
+    kept = tuple(doubt for doubt in decay.doubts if doubt.code not in OF_ALL)
+    own = tuple(doubt for doubt in again[0].doubts if doubt.code not in {one.code for one in kept})
+    return replace(again[0], rank=decay.rank, doubts=(*kept, *own))
