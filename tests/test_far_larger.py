@@ -1,5 +1,7 @@
 """A decay beside which the record moves far more: it is said."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -57,3 +59,38 @@ def test_it_is_said_unless_the_part_was_chosen() -> None:
     assert [note.code for note in found.notes].count(Note.LARGER_ELSEWHERE) == 1
     chosen = analyse(record, settings=Settings(start=20.0))
     assert Note.LARGER_ELSEWHERE not in {note.code for note in chosen.notes}
+
+
+def pendulum(*, zeta: float, friction: float) -> RealArray:
+    """Return a pendulum in counts at 20 Hz, held for a second and let go, that friction of its pivot stops.
+
+    ``q'' + 2 zeta wn q' + .0015 |q'| q' / wn + friction sign(q') + wn^2 (q - q^3 / 900^2) = 0``, in steps of .5 ms.
+    """
+    wn, step, largest = 4.44, 1 / 2000, 210.0
+    q, v, out = largest, 0.0, []
+    for k in range(int(141 / step)):
+        if k % 100 == 0:
+            out.append(q)
+        pull = -2 * zeta * wn * v - 0.0015 * abs(v) * v / wn - wn**2 * q * (1 - (q / 900) ** 2)
+        v += step * pull
+        v = v - np.sign(v) * friction * step if abs(v) > friction * step else 0.0
+        q += step * v
+    return np.asarray(np.round(439 + np.concatenate([np.full(20, largest), out])[: len(out)]))
+
+
+@pytest.mark.parametrize(("zeta", "friction"), [(0.0035, 1.2), (0.0035, 3.0), (0.002, 2.0)])
+def test_the_last_swings_are_not_used_for_all(zeta: float, friction: float, tmp_path: Path) -> None:
+    """The end alone fits a line down to the noise, with the damping that friction gives to small swings."""
+    values, path = pendulum(zeta=zeta, friction=friction), tmp_path / "pendulum.csv"
+    time = np.arange(values.size) / 20
+    np.savetxt(path, np.column_stack([time, values]), fmt="%.6g", delimiter=",", header="t [s],Pos", comments="")
+    found = analyse(path)
+    assert len(found.modes) == 1
+    assert found.used[0].start < 2.0
+    (dependence,) = found.identification.amplitude_dependence
+    assert dependence.amplitude[0] > 100
+    # Of one cycle: what the drag takes, and the friction, by equivalent linearisation.
+    a = dependence.amplitude
+    law = zeta + 4 / (3 * np.pi) * 0.0015 * a / 4.44 + 2 * friction / (np.pi * 4.44**2 * a)
+    seen = (a > 20) & (a < 150)
+    assert np.max(np.abs(dependence.zeta / law - 1)[seen]) < 0.2

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.used import Used
+from suspid.decays import SAME_MODE
 from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.levels import SURE
 from suspid.signals import Signal, as_signal
 from suspid.words import Note, Remark
 
@@ -18,6 +20,11 @@ if TYPE_CHECKING:
 # Of two decays that are both doubtful, one with more than this many times the energy of the other is used: a tenth of
 # the amplitude is seen beside the noise, and not as the event.
 FAR_MORE = 100.0
+# A decay is the end of another that has this many times its energy: a third of the amplitude.
+MORE = 10.0
+# Two damping ratios are unlike if they differ by this share, and beyond chance: friction doubles that of the last
+# swings, and a decay whose damping is the same from any start is as well known by its end.
+UNLIKE = 0.25
 
 
 def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
@@ -29,6 +36,30 @@ def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
     shares = [0.0 if one.identification is None else _share(one.identification, about) for one in tries]
     most = int(np.argmax(shares))
     return tries[most] if shares[most] > FAR_MORE * shares[0] else tries[0]
+
+
+def only_the_end(whole: Identification, part: Identification | None) -> bool:
+    """Return whether a part of a decay is its end, with far less energy, and tells less than the whole.
+
+    Where friction stops what swings, or where a sensor is coarse, the last swings look like a linear decay. The whole
+    tells more if forces explain it as well as the end is explained, or if its damping is another one.
+    """
+    if part is None or not len(part.modes) or part.modes.zeta_std is None:
+        return False
+    ours, theirs = _energies(as_signal(whole.fitted)), _energies(as_signal(part.fitted))
+    if set(ours) != set(theirs) or not all(ours[name] > MORE * theirs[name] for name in theirs):
+        return False
+    ends = part.modes
+    nearest = np.argmin(np.abs(ends.wn[:, None] - whole.modes.wn), axis=1) if len(whole.modes) else None
+    if nearest is None or whole.modes.zeta_std is None:
+        return False
+    if np.any(np.abs(whole.modes.wn[nearest] / ends.wn - 1) > SAME_MODE):
+        return False
+    if whole.forces and whole.verdict.level >= part.verdict.level:
+        return True
+    apart = np.abs(whole.modes.zeta[nearest] - ends.zeta)
+    sure = SURE * np.hypot(whole.modes.zeta_std[nearest], ends.zeta_std)
+    return bool(np.any(apart > np.maximum(sure, UNLIKE * ends.zeta)))
 
 
 def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:

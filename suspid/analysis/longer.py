@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.analysis.choice import explained_by_forces, explains, settled, tried
+from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
@@ -54,7 +55,7 @@ def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> 
         if not shown:
             best = with_identification(best, settings)
             shown = _shows_more(more.identification, best.identification)
-        if shown:
+        if shown or only_the_end(more.identification, best.identification):
             best = more
             break
     for decay in _later(record, best):
