@@ -1,6 +1,7 @@
 """Poles at sums and differences of modes: motion that is not quite linear, and modes that lie there by chance."""
 
 import numpy as np
+import pytest
 
 from suspid import Identification, identify
 from suspid.identification.harmonics import combination_of, multiple_of
@@ -46,6 +47,27 @@ class TestFarMultiples:
         modes = found([0.5, 3.001], [1.0, 1.0], [0.1, 0.2]).modes
         assert multiple_of(modes, complex(-0.4, 12 * modes.poles[0].imag)) == (2, 2)
         assert multiple_of(modes, complex(-0.4, 8 * modes.poles[0].imag)) == (1, 8)
+
+
+class TestStrongHarmonics:
+    """A sensor that bends, ``y = x + b x^2``, adds twice the frequency and twice the rate: a share of ``b / 2``."""
+
+    @pytest.mark.parametrize("share", [0.3, 0.45])
+    @pytest.mark.parametrize("multiple", [2, 3])
+    def test_what_lies_exactly_there_is_none(self, share: float, multiple: int) -> None:
+        one = found([3.0, 3.0 * multiple], [1.0, share], [0.2, 0.2 * multiple])
+        assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0]
+        assert reasons(one)[3 * multiple].startswith(f"{multiple} times mode 1")
+
+    @pytest.mark.parametrize("hertz", [6.04, 12.0])
+    def test_what_lies_beside_it_is_a_mode(self, hertz: float) -> None:
+        """So is one at four times the frequency: of higher orders one is near sooner."""
+        one = found([3.0, hertz], [1.0, 0.3], [0.2, 0.5])
+        assert np.round(one.modes.wn / (2 * np.pi), 2).tolist() == [3.0, hertz]
+
+    def test_one_that_is_stronger_is_a_mode(self) -> None:
+        one = found([3.0, 6.0], [0.5, 1.0], [0.2, 0.3])
+        assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0, 6.0]
 
 
 class TestCombinations:

@@ -9,7 +9,7 @@ from scipy.stats import binom
 
 from suspid import Identification, Level, Settings, analyse, identify
 from suspid.analysis.choice import level_of
-from suspid.analysis.support import _coherent, supported
+from suspid.analysis.support import _coherent, _without, supported
 from suspid.analysis.used import Used
 from suspid.decays import Decay
 from suspid.identification import Force, ForceKind
@@ -147,6 +147,15 @@ class TestWholeRecords:
         left = supported(found, stretch(found, (), ()), Settings())
         assert (len(found.modes), [c.remark.code for c in left.considered][:1]) == (1, [Reason.NO_SWING])
 
+    def test_one_that_swings_beside_it_is_not_said_to_be_damped(self) -> None:
+        time = np.arange(400) / 100
+        noise = 1e-2 * np.random.default_rng(1).standard_normal(time.size)
+        values = np.exp(-3 * time) + 0.5 * np.exp(-0.5 * time) * np.sin(30 * time) + noise
+        found = identify(as_response(time, values[None], ["seat"]))
+        left = _without(found, np.ones(len(found.modes), bool), Remark(Reason.NO_SWING))
+        said = {c.remark.code: c.pole.imag > 0 for c in left.considered if c.removed}
+        assert said == {Reason.NO_SWING: False, Reason.UNSUPPORTED: True}
+
     @pytest.mark.parametrize(
         ("searched", "late", "kept"), [(True, True, False), (False, True, True), (True, False, True)]
     )
@@ -196,6 +205,16 @@ def test_at_most_one_record_of_forced_motion_in_twenty_has_modes(kind: str) -> N
     assert sum(no_decay.outcome(kind, seed)[3] for seed in range(1_210_000, 1_210_000 + records)) <= binom.ppf(
         0.999, records, 0.05
     )
+
+
+def test_real_poles_beside_tones_are_the_mean_of_driven_motion() -> None:
+    """Legs of a robot that walks: its mean settles while it walks on."""
+    time = np.arange(260) / 30
+    walk = np.cos(2 * np.pi * 0.553 * time) + 0.3 * np.cos(2 * np.pi * 1.66 * time + 1)
+    noise = 2e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = analyse(as_response(time, (walk - 0.5 * np.exp(-4 * time) + noise)[None], ["leg"]))
+    assert not len(found.modes)
+    assert identify(as_response(time, (walk - 0.5 * np.exp(-4 * time) + noise)[None], ["leg"])).modes.kinds == ("real",)
 
 
 @pytest.mark.parametrize(("kind", "level"), [(None, Level.DOUBTFUL), (DecayKind.RELEASE, Level.CARE)])

@@ -24,7 +24,7 @@ from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
 from suspid.signals import Signal, as_signal
-from suspid.words import Check, DecayDoubt, Level, ModeCheck, RecordCheck, Remark
+from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
 
 if TYPE_CHECKING:
     import control
@@ -130,10 +130,10 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
 
     What an identification down to the noise refutes calls for care. A quick fit takes means of several samples. That
     these are few says nothing of an identification, which takes all. What it leaves is explained where a fit with
-    forces leaves hardly anything.
+    forces leaves hardly anything. Of a whole record, only real poles beside steady tones are doubted.
     """
     if len(used) != 1:
-        return ()
+        return () if used or not _beside_tones(found) else (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)
     decay = used[0]
     # A background that excites the mode bends a decay as forces do, and of many stretches some look so by chance.
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
@@ -156,6 +156,12 @@ def _never_swings(decay: Decay, found: Identification) -> tuple[Check, ...]:
     if not len(found.modes) or np.any(found.modes.poles.imag) or decay.kind is not None:
         return ()
     return (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)
+
+
+def _beside_tones(found: Identification) -> bool:
+    """Return whether real poles alone were found, and tones beside them: what is driven has a mean that wanders."""
+    tones = any(c.removed and c.remark.code is Reason.TONE for c in found.considered)
+    return bool(len(found.modes)) and not np.any(found.modes.poles.imag) and tones
 
 
 def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:

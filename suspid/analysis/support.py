@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
 from suspid.analysis.standstill import swings_on
-from suspid.analysis.stretch import swings
+from suspid.analysis.stretch import NO_CYCLE, swings
 from suspid.analysis.swelling import beyond_wave
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
@@ -69,7 +69,13 @@ def supported(
 
 def _without(found: Identification, lost: NDArray[np.bool_], reason: Remark) -> Identification:
     """Return an identification without some of its modes, which are rejected for a reason; the fit stays as it is."""
-    none = tuple(Considered(pole=complex(pole), remark=reason, removed=True) for pole in found.modes.poles[lost])
+    slow = reason.code is Reason.NO_SWING
+    none = tuple(
+        Considered(
+            pole=complex(pole), remark=Remark(Reason.UNSUPPORTED) if slow and zeta < NO_CYCLE else reason, removed=True
+        )
+        for pole, zeta in zip(found.modes.poles[lost], found.modes.zeta[lost], strict=True)
+    )
     return replace(
         found,
         modes=found.modes[~lost],

@@ -17,6 +17,9 @@ from suspid.words import Reason
 # every frequency, unless that is known so well that chance hits one as rarely as the third number says, beside another
 # harmonic.
 WEAK, HIGHEST, BY_CHANCE = 0.2, 7, 0.05
+# What is as strong as nearly its mode is a harmonic too, of second or third order, where its frequency is known so well
+# that another mode lies as near to the multiple as rarely as the second number says: sensors that bend make such.
+LOWEST, AS_RARELY = 3, 0.02
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
 PRECISE = 0.01
@@ -42,7 +45,9 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
     for k, number in enumerate(order.tolist()):
         others = [j for j in range(len(order)) if j != k and reasons[order[j]] is None]
         if any(
-            _is_square(modes, j, k) or (strengths[k] < WEAK**2 * strengths[j] and _is_multiple(modes, j, k))
+            _is_square(modes, j, k)
+            or (strengths[k] < WEAK**2 * strengths[j] and _is_multiple(modes, j, k))
+            or (strengths[k] < strengths[j] and _is_near_multiple(modes, j, k))
             for j in others
         ):
             reasons[number] = Reason.HARMONIC
@@ -130,6 +135,15 @@ def _combined_std(modes: ModalSet, factors: Mapping[int, float], part: int) -> f
     for mode, factor in factors.items():
         row[2 * mode + part] = factor
     return float(np.sqrt(row @ covariance @ row))
+
+
+def _is_near_multiple(modes: ModalSet, one: int, other: int) -> bool:
+    """Return whether the other mode is so near to a low multiple of one that chance is no explanation."""
+    first, second = modes.poles[one].imag, modes.poles[other].imag
+    multiple = round(second / first) if first > 0 else 1
+    if not 2 <= multiple <= LOWEST or 2 * SURE * _std(modes, one, other, 1, multiple) > AS_RARELY * first:
+        return False
+    return _is_multiple(modes, one, other)
 
 
 def _is_multiple(modes: ModalSet, one: int, other: int, *, far: bool = False) -> bool:
