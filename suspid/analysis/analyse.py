@@ -12,6 +12,7 @@ from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels
+from suspid.analysis.largest import of_largest
 from suspid.analysis.later import from_later
 from suspid.analysis.means import with_means, with_means_of_longest
 from suspid.analysis.reading import Read, read, tests_of
@@ -237,7 +238,7 @@ def _identified(
         found = stretch.identification or identified(stretch.record, settings)
         wave, alone = of_a_wave(found, stretch, settings, whole)
         kept = supported(found, stretch, settings, whole=whole, wave=alone)
-        later = None if wave else from_later(whole, stretch, kept, settings)
+        later = None if wave else from_later(whole, stretch, kept, settings) or of_largest(whole, stretch, kept, settings)
         if later is not None and later.identification is not None:
             return later.identification, None, later
         return kept, None, doubted_as_wave(stretch) if wave else stretch

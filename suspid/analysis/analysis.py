@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 CALLS_FOR_CARE = {
     Note.ONE_OF_TESTS: RecordCheck.ONE_OF_TESTS,
     Note.FEWER_CHANNELS: RecordCheck.FEWER_CHANNELS,
+    Note.LARGEST_USED: RecordCheck.LARGEST_USED,
     Note.MEANS: RecordCheck.MEANS,
 }
 

@@ -31,6 +31,9 @@ from suspid.words import DecayDoubt, DecayKind, DecayRemark, Remark
 # Most times that a band may rise again within an event; more often than that, the motion is driven. Two of them are
 # this many periods of the highest band apart, because a decay needs some cycles.
 MOST_AGAIN, LEAST_PERIODS = 3, 8.0
+# Blows that bounce fall within this part of a decay. What rises later may be the same motion, which friction holds and
+# lets go.
+BOUNCES = 0.25
 # Most blocks of the final fit, from the start that was found. More follow long decays further and cost time.
 FINAL_BLOCKS = 2000
 
@@ -91,7 +94,7 @@ def decays_after(recording: Recording, burst: Burst) -> Found:
     if not burst.again or len(burst.again) > MOST_AGAIN:
         return out, remarks
     if out and out[0].start < burst.again[0]:
-        return (out if _free_motion(out) else _hit_again(recording, burst) or out), remarks
+        return (out if _free_motion(out) else _hit_again(recording, burst, out[0]) or out), remarks
     for onset in reversed(burst.again):
         later, _ = examined(recording, replace(burst, onset=onset), moved=True)
         if later:
@@ -108,12 +111,13 @@ def decays_after(recording: Recording, burst: Burst) -> Found:
     return out, remarks
 
 
-def _hit_again(recording: Recording, burst: Burst) -> tuple[Decay, ...]:
-    """Return the decay after the last of several blows of one event that is free motion; none if there is none.
+def _hit_again(recording: Recording, burst: Burst, decay: Decay) -> tuple[Decay, ...]:
+    """Return the decay after the last of several blows that begin a decay, if it is free motion; none if it is not.
 
     A hammer that bounces sets off one decay upon another.
     """
-    for onset in reversed(burst.again):
+    latest = decay.start + BOUNCES * (decay.stop - decay.start)
+    for onset in reversed([again for again in burst.again if again < latest]):
         later, _ = examined(recording, replace(burst, onset=onset), moved=True)
         if later and _free_motion(later):
             return later

@@ -19,7 +19,7 @@ from suspid.words import Reason
 WEAK, HIGHEST, BY_CHANCE = 0.2, 7, 0.05
 # What is as strong as nearly its mode is a harmonic too, of second or third order, where its frequency is known so well
 # that another mode lies as near to the multiple as rarely as the second number says: sensors that bend make such.
-LOWEST, AS_RARELY = 3, 0.02
+LOW_ORDER, AS_RARELY = 3, 0.02
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
 PRECISE = 0.01
@@ -141,7 +141,7 @@ def _is_near_multiple(modes: ModalSet, one: int, other: int) -> bool:
     """Return whether the other mode is so near to a low multiple of one that chance is no explanation."""
     first, second = modes.poles[one].imag, modes.poles[other].imag
     multiple = round(second / first) if first > 0 else 1
-    if not 2 <= multiple <= LOWEST or 2 * SURE * _std(modes, one, other, 1, multiple) > AS_RARELY * first:
+    if not 2 <= multiple <= LOW_ORDER or 2 * SURE * _std(modes, one, other, 1, multiple) > AS_RARELY * first:
         return False
     return _is_multiple(modes, one, other)
 

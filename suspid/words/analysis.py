@@ -77,6 +77,15 @@ class Note(Code):
             )
         ),
     )
+    LARGEST_USED = (
+        "largest used",
+        sentence(
+            lambda n: (
+                f"no stretch was found to be a free decay; the largest motion is used, from "
+                f"{moment(float(str(n['start'])))} to {moment(float(str(n['stop'])))} s"
+            )
+        ),
+    )
     DECAYS_USED = (
         "decays used",
         sentence(
@@ -179,6 +188,11 @@ class RecordCheck(Code):
         "never swings",
         "Nothing swings in the stretch that is used, and no hold or step before it was seen: the end of a pulse looks "
         "the same.",
+    )
+    LARGEST_USED = (
+        "largest used",
+        "No stretch was found to be a free decay. The largest motion is used, which shows the same modes from several "
+        "starts on.",
     )
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     FEWER_CHANNELS = (

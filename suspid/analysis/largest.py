@@ -1,0 +1,98 @@
+"""The largest motion of a record, where the search for decays ends without a result: what an eye would cut out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.choice import tried
+from suspid.analysis.far_larger import larger_elsewhere
+from suspid.analysis.forced_start import SAME_POLE
+from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import swings
+from suspid.analysis.support import questioned
+from suspid.analysis.used import Used, instead_of
+from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.records import cut, of_channels
+from suspid.signals import Signal, as_signal
+from suspid.units import Second
+from suspid.words import Level, Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Parts of a record in which its motion is compared, of at least this many samples.
+COMPARED, FEWEST_EACH = 40, 8
+# A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
+# largest.
+CALM_AGAIN, FADED = 1.5, 0.01
+# Shares of the motion after which it may be free: what lets it go acts for a while.
+STARTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
+# Other starts that must show the same modes, for a result that is not doubtful and for one that is.
+AGREE, AGREE_DOUBTFUL = 1, 2
+# A fit explains this share of the energy of a channel where its modes are the largest motion.
+MOST_OF_IT = 0.8
+
+
+def of_largest(
+    record: control.TimeResponseData, stretch: Used, found: Identification, settings: Settings
+) -> Used | None:
+    """Return the largest motion of a record where modes are the same from several starts; None if they are not.
+
+    ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless it is doubtful
+    and the record moves far more elsewhere. The first start is used whose modes another shows too.
+    """
+    if not questioned(found, settings):
+        return None
+    elsewhere = bool(larger_elsewhere(record, stretch))
+    if len(found.modes) and not (elsewhere and found.verdict.level is Level.DOUBTFUL):
+        return None
+    record = of_channels(record, as_signal(stretch.record).channels)
+    span = _largest(as_signal(record))
+    if span is None:
+        return None
+    first, last = span
+    parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS]
+    tries = [tried(part, settings) if _enough(part) else None for part in parts]
+    levels = ((Level.CARE, AGREE),) if len(found.modes) else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
+    for level, others in levels:
+        for part, one in zip(parts, tries, strict=True):
+            if one is not None and _plain(one, level) and _agreeing(one, tries, level) >= others:
+                said = {"start": as_signal(part).start, "stop": last}
+                used = Used(record=part, decays=stretch.decays, used=(), notes=(Remark(Note.LARGEST_USED, said),))
+                return replace(instead_of(stretch, used), identification=one)
+    return None
+
+
+def _largest(signal: Signal) -> tuple[Second, Second] | None:
+    """Return from when to when a record moves most; None if it is too short to tell."""
+    each = signal.values.shape[1] // COMPARED
+    if each < FEWEST_EACH:
+        return None
+    parts = signal.values[:, : COMPARED * each].reshape(len(signal.values), COMPARED, each)
+    moves = np.max(np.ptp(parts, axis=2) / np.maximum(np.ptp(signal.values, axis=1), 1e-300)[:, None], axis=0)
+    most = int(np.argmax(moves))
+    calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * np.quantile(moves, 0.1), FADED * moves[most]))
+    end = (most + int(calm[0])) * each if calm.size else signal.values.shape[1] - 1
+    return signal.start + signal.step * most * each, signal.start + signal.step * end
+
+
+def _enough(part: control.TimeResponseData) -> bool:
+    return as_signal(part).values.shape[1] >= FEWEST_SAMPLES
+
+
+def _plain(found: Identification, level: Level) -> bool:
+    """Return whether modes that swing explain most of the motion, and are at least as sure as a level."""
+    explains = float(np.max(found.explained)) > MOST_OF_IT
+    return bool(len(found.modes)) and swings(found.modes) and explains and found.verdict.level >= level
+
+
+def _agreeing(one: Identification, tries: Sequence[Identification | None], level: Level) -> int:
+    """Return how many other identifications show all modes of one, and are at least as sure as a level."""
+    poles = one.modes.poles
+    others = [other for other in tries if other is not None and other is not one and _plain(other, level)]
+    apart = [np.min(np.abs(poles[:, None] - other.modes.poles), axis=1) for other in others]
+    return sum(bool(np.all(each < SAME_POLE * np.abs(poles))) for each in apart)
