@@ -55,8 +55,10 @@ def of_largest(
     if span is None:
         return None
     first, last = span
+    if (last - first) * (1 - STARTS[-1]) < FEWEST_SAMPLES * as_signal(record).step:
+        return None
     parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS]
-    tries = [tried(part, settings) if _enough(part) else None for part in parts]
+    tries = [tried(part, settings) for part in parts]
     levels = ((Level.CARE, AGREE),) if len(found.modes) else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
         for part, one in zip(parts, tries, strict=True):
@@ -68,7 +70,7 @@ def of_largest(
 
 
 def _largest(signal: Signal) -> tuple[Second, Second] | None:
-    """Return from when to when a record moves most; None if it is too short to tell."""
+    """Return from when to when a record moves most; None if it is too short to tell, or moves much the same throughout."""
     each = signal.values.shape[1] // COMPARED
     if each < FEWEST_EACH:
         return None
@@ -76,12 +78,10 @@ def _largest(signal: Signal) -> tuple[Second, Second] | None:
     moves = np.max(np.ptp(parts, axis=2) / np.maximum(np.ptp(signal.values, axis=1), 1e-300)[:, None], axis=0)
     most = int(np.argmax(moves))
     calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * np.quantile(moves, 0.1), FADED * moves[most]))
+    if calm.size and calm[0] == 0:
+        return None
     end = (most + int(calm[0])) * each if calm.size else signal.values.shape[1] - 1
     return signal.start + signal.step * most * each, signal.start + signal.step * end
-
-
-def _enough(part: control.TimeResponseData) -> bool:
-    return as_signal(part).values.shape[1] >= FEWEST_SAMPLES
 
 
 def _plain(found: Identification, level: Level) -> bool:

@@ -18,6 +18,11 @@ LATEST = 1e15
 # A clock has stopped where its last stamp stands in more than this many times the rows of any other: with fewer, stamps
 # that come in packets of rows, or are rounded, stop too.
 STOPPED = 8
+# A stamp out of order was taken between its neighbours if these are two usual steps apart, to this share of a step: more
+# takes the border of two recordings for one.
+NEAR_TWO = 0.5
+# A row that was sent again follows at most this many rows after the first: more rows are another recording.
+SENT_AGAIN = 8
 
 
 def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
@@ -107,6 +112,10 @@ def ordered(
     times = stamps[rows]
     if times.size < 3:
         raise RecordError(f"only {times.size} rows with different time stamps are left; at least 3 are needed")
+    again = _sent_again(times, values[:, rows])
+    if again.any():
+        findings.append(found(Defect.REPEATED_ROWS, times[again], int(np.sum(again))))
+        times, rows = times[~again], rows[~again]
     if np.all(np.diff(times) > 0):
         return times, rows, tuple(findings)
     order = np.argsort(times, kind="stable")
@@ -117,11 +126,42 @@ def ordered(
         findings.append(found(Defect.SWAPPED_ROWS, times[order][moved], moved.size))
         return times[order], rows[order], tuple(findings)
     repaired = _wrongly_stamped(times, numbered(rows, lost))
+    repaired = _between_neighbours(times) if repaired is None else repaired
     if repaired is not None:
         wrong = np.flatnonzero(repaired != times)
         findings.append(found(Defect.WRONG_STAMPS, repaired[wrong], wrong.size, {"first": float(times[wrong[0]])}))
         return repaired, rows, tuple(findings)
+    apart = _moved_apart(times)
+    if apart is not None:
+        tied = np.flatnonzero(apart != times)
+        findings.append(found(Defect.TIED_STAMPS, times[tied], tied.size // 2, {"apart": 0.5 * resolution(times)}))
+        return apart, rows, tuple(findings)
     raise RecordError(_disordered(times))
+
+
+def _sent_again(times: RealArray, values: RealArray) -> NDArray[np.bool_]:
+    """Return which rows repeat one of the few rows before the last, stamp and samples, (row,): a packet sent twice."""
+    again = np.zeros(times.size, bool)
+    for back in range(2, SENT_AGAIN + 1):
+        same = np.flatnonzero(times[back:] == times[:-back]) + back
+        before = values[:, same - back]
+        equal = np.all((values[:, same] == before) | (np.isnan(values[:, same]) & np.isnan(before)), axis=0)
+        again[same[equal]] = True
+    return again
+
+
+def _moved_apart(times: RealArray) -> RealArray | None:
+    """Return stamps of which some equal the one before, moved apart within their resolution; None if that is no order.
+
+    Two rows of an irregular clock have one stamp where they lie closer than its last digit.
+    """
+    tied = np.diff(times) == 0
+    if not tied.any() or np.any(tied[1:] & tied[:-1]) or np.sum(tied) > FEW * times.size:
+        return None
+    apart, quarter = times.copy(), 0.25 * resolution(times)
+    apart[:-1][tied] -= quarter
+    apart[1:][tied] += quarter
+    return apart if np.all(np.diff(apart) > 0) else None
 
 
 def _wrongly_stamped(times: RealArray, index: Indices) -> RealArray | None:
@@ -135,6 +175,25 @@ def _wrongly_stamped(times: RealArray, index: Indices) -> RealArray | None:
     if np.sum(wrong) > max(2, FEW * times.size):
         return None
     repaired = np.where(wrong, there, times)
+    return repaired if np.all(np.diff(repaired) > 0) else None
+
+
+def _between_neighbours(times: RealArray) -> RealArray | None:
+    """Return the stamps with single ones that are out of order set between their neighbours, or None if that is no repair.
+
+    The neighbours must be two usual steps apart. Unlike a line, this needs no clock that is even over the record.
+    """
+    back = np.flatnonzero(np.diff(times) <= 0)
+    usual = float(np.median(np.diff(times)))
+    if not back.size or back.size > FEW * times.size or back[0] < 1 or back[-1] > times.size - 3 or not usual > 0:
+        return None
+    gaps = np.stack([times[back + 1 + side] - times[back - 1 + side] for side in (0, 1)])
+    side = np.argmin(np.abs(gaps - 2 * usual), axis=0)
+    if np.any(np.abs(np.min(np.abs(gaps - 2 * usual), axis=0)) > NEAR_TWO * usual):
+        return None
+    wrong = back + side
+    repaired = times.copy()
+    repaired[wrong] = 0.5 * (times[wrong - 1] + times[wrong + 1])
     return repaired if np.all(np.diff(repaired) > 0) else None
 
 

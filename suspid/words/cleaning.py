@@ -250,7 +250,16 @@ class Defect(Code):
     NO_STAMP = "no stamp", sentence(lambda n: f"{_count(n, 'row')} without a time stamp dropped")
     REPEATED_ROWS = (
         "repeated rows",
-        sentence(lambda n: f"{_count(n, 'row')} repeat time stamp and samples of the row before; dropped"),
+        sentence(lambda n: f"{_count(n, 'row')} repeat time stamp and samples of a row before; dropped"),
+    )
+    TIED_STAMPS = (
+        "tied stamps",
+        sentence(
+            lambda n: (
+                f"{_count(n, 'time stamp')} equal the one before, with other samples; the rows are set "
+                f"{_number(n, 'apart'):.2g} s apart, less than the last digit"
+            )
+        ),
     )
     SWAPPED_ROWS = "swapped rows", sentence(lambda n: f"{_count(n, 'row')} out of time order; sorted by time stamp")
     WRONG_STAMPS = (
