@@ -237,3 +237,53 @@ def test_values_that_a_slow_bus_holds_count_once(seed: int, hold: int) -> None:
     lasts = np.full(motion.size, hold) + (np.arange(motion.size) % 7 == 0)
     assert not np.any(on_rail(np.repeat(motion, lasts)))
     assert np.any(on_rail(np.repeat(cut, lasts)))
+
+
+class TestSingleRows:
+    """One row of thousands that a phone sends twice, or with the stamp of another."""
+
+    STAMPS = np.arange(300) / 100 + 0.003 * np.sin(np.arange(300) / 40)
+    VALUES = np.random.default_rng(2).standard_normal((2, 300))
+
+    def order(self, stamps: RealArray, values: RealArray) -> tuple[RealArray, RealArray, list[Defect]]:
+        times, rows, findings = ordered(stamps, values, np.arange(stamps.size), np.zeros(0, np.intp))
+        return times, values[:, rows], [finding.kind for finding in findings]
+
+    @pytest.mark.parametrize("back", [2, 8])
+    def test_one_that_is_sent_again_is_dropped(self, back: int) -> None:
+        stamps = np.insert(self.STAMPS, 150, self.STAMPS[150 - back])
+        values = np.insert(self.VALUES, 150, self.VALUES[:, 150 - back], axis=1)
+        times, left, codes = self.order(stamps, values)
+        assert codes == [Defect.REPEATED_ROWS]
+        np.testing.assert_array_equal(times, self.STAMPS)
+        np.testing.assert_array_equal(left, self.VALUES)
+
+    def test_one_with_an_earlier_stamp_is_set_between_its_neighbours(self) -> None:
+        stamps = self.STAMPS.copy()
+        stamps[150] = stamps[148]
+        times, left, codes = self.order(stamps, self.VALUES)
+        assert codes == [Defect.WRONG_STAMPS]
+        np.testing.assert_allclose(times, self.STAMPS, atol=0.001)
+        np.testing.assert_array_equal(left, self.VALUES)
+
+    def test_a_second_recording_is_not(self) -> None:
+        stamps = np.append(self.STAMPS, self.STAMPS)
+        with pytest.raises(RecordError, match="runs backwards"):
+            self.order(stamps, np.tile(self.VALUES, 2))
+
+    @pytest.mark.parametrize(("tied", "fine"), [(2, True), (30, False)])
+    def test_a_few_equal_stamps_of_an_irregular_clock_are_moved_apart(self, tied: int, fine: bool) -> None:
+        """Stamps of whole milliseconds, steps of 1 to 9: two that are nearer than a millisecond are equal."""
+        rng = np.random.default_rng(3)
+        steps = rng.integers(1, 10, 300) / 1000
+        steps[rng.choice(np.arange(2, 298, 2), tied, replace=False)] = 0.0
+        stamps = np.round(np.cumsum(steps), 3)
+        if not fine:
+            with pytest.raises(RecordError, match="repeat the one before"):
+                self.order(stamps, self.VALUES)
+            return
+        times, left, codes = self.order(stamps, self.VALUES)
+        assert codes == [Defect.TIED_STAMPS]
+        assert np.all(np.diff(times) > 0)
+        assert np.max(np.abs(times - stamps)) < 0.0005
+        np.testing.assert_array_equal(left, self.VALUES)

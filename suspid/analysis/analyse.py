@@ -11,7 +11,7 @@ from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
 from suspid.analysis.far_larger import larger_elsewhere
-from suspid.analysis.fewer_channels import with_fewer_channels
+from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
 from suspid.analysis.largest import of_largest
 from suspid.analysis.later import from_later
 from suspid.analysis.means import with_means, with_means_of_longest
@@ -235,12 +235,16 @@ def _identified(
 ) -> tuple[Identification, Repeats | None, Used]:
     """Return the identification of the decay and, where several are used, that of all jointly; and what was used."""
     if len(stretch.used) < 2:
+        stretch = without_clipped(stretch, settings)
         found = stretch.identification or identified(stretch.record, settings)
         wave, alone = of_a_wave(found, stretch, settings, whole)
         kept = supported(found, stretch, settings, whole=whole, wave=alone)
-        later = None if wave else from_later(whole, stretch, kept, settings) or of_largest(whole, stretch, kept, settings)
-        if later is not None and later.identification is not None:
-            return later.identification, None, later
-        return kept, None, doubted_as_wave(stretch) if wave else stretch
+        if wave:
+            return kept, None, doubted_as_wave(stretch)
+        for part_of in (from_later, of_largest):
+            part = part_of(whole, stretch, kept, settings)
+            if part is not None and part.identification is not None:
+                return part.identification, None, part
+        return kept, None, stretch
     repeats = identify_repeats(whole, stretch.used, modes=settings.modes, band_hz=settings.band_hz)
     return repeats.each[0], repeats, stretch

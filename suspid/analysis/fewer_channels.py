@@ -13,6 +13,7 @@ from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used
+from suspid.cleaning import clipped_run
 from suspid.decays import DRIVEN
 from suspid.errors import SuspidError
 from suspid.identification import Identification
@@ -69,6 +70,26 @@ def with_fewer_channels(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
             )
     return used
+
+
+def without_clipped(used: Used, settings: Settings) -> Used:
+    """Return the part of a record that is used without channels that are clipped in it, if others are left.
+
+    Where channels are named, or an identification has gone well, all of those stay.
+    """
+    if settings.channels is not None or used.identification is not None:
+        return used
+    signal = as_signal(used.record)
+    out = [
+        name
+        for name, samples in zip(signal.channels, signal.values, strict=True)
+        if any(clipped_run(samples, largest=largest) is not None for largest in (True, False))
+    ]
+    if not out or len(out) == len(signal.channels):
+        return used
+    kept = [name for name in signal.channels if name not in out]
+    notes = [Remark(Note.CLIPPED_CHANNEL, {"channel": name}) for name in out]
+    return replace(used, record=of_channels(used.record, kept), notes=(*notes, *used.notes))
 
 
 def multiples_alone(of_all: ModalSet, of_fewer: ModalSet) -> bool:

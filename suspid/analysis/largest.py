@@ -12,7 +12,7 @@ from suspid.analysis.choice import tried
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import swings
+from suspid.analysis.stretch import damping_known, swings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used, instead_of
 from suspid.identification import FEWEST_SAMPLES, Identification
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     import control
 
 # Parts of a record in which its motion is compared, of at least this many samples.
-COMPARED, FEWEST_EACH = 40, 8
+PARTS_COMPARED, FEWEST_EACH = 40, 8
 # A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
 # largest.
 CALM_AGAIN, FADED = 1.5, 0.01
 # Shares of the motion after which it may be free: what lets it go acts for a while.
-STARTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
+STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
 # Other starts that must show the same modes, for a result that is not doubtful and for one that is.
 AGREE, AGREE_DOUBTFUL = 1, 2
 # A fit explains this share of the energy of a channel where its modes are the largest motion.
@@ -55,9 +55,9 @@ def of_largest(
     if span is None:
         return None
     first, last = span
-    if (last - first) * (1 - STARTS[-1]) < FEWEST_SAMPLES * as_signal(record).step:
+    if (last - first) * (1 - STARTS_TRIED[-1]) < FEWEST_SAMPLES * as_signal(record).step:
         return None
-    parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS]
+    parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS_TRIED]
     tries = [tried(part, settings) for part in parts]
     levels = ((Level.CARE, AGREE),) if len(found.modes) else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
@@ -70,11 +70,11 @@ def of_largest(
 
 
 def _largest(signal: Signal) -> tuple[Second, Second] | None:
-    """Return from when to when a record moves most; None if it is too short to tell, or moves much the same throughout."""
-    each = signal.values.shape[1] // COMPARED
+    """Return from when to when a record moves most; None if it is too short to tell, or moves alike throughout."""
+    each = signal.values.shape[1] // PARTS_COMPARED
     if each < FEWEST_EACH:
         return None
-    parts = signal.values[:, : COMPARED * each].reshape(len(signal.values), COMPARED, each)
+    parts = signal.values[:, : PARTS_COMPARED * each].reshape(len(signal.values), PARTS_COMPARED, each)
     moves = np.max(np.ptp(parts, axis=2) / np.maximum(np.ptp(signal.values, axis=1), 1e-300)[:, None], axis=0)
     most = int(np.argmax(moves))
     calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * np.quantile(moves, 0.1), FADED * moves[most]))
@@ -87,7 +87,8 @@ def _largest(signal: Signal) -> tuple[Second, Second] | None:
 def _plain(found: Identification, level: Level) -> bool:
     """Return whether modes that swing explain most of the motion, and are at least as sure as a level."""
     explains = float(np.max(found.explained)) > MOST_OF_IT
-    return bool(len(found.modes)) and swings(found.modes) and explains and found.verdict.level >= level
+    known = level is Level.DOUBTFUL or damping_known(found.modes)
+    return bool(len(found.modes)) and swings(found.modes) and explains and known and found.verdict.level >= level
 
 
 def _agreeing(one: Identification, tries: Sequence[Identification | None], level: Level) -> int:

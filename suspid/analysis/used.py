@@ -24,6 +24,7 @@ OF_CHANNELS = frozenset(
         Note.HELD_CHANNEL,
         Note.BLOW_CHANNEL,
         Note.IDLE_CHANNEL,
+        Note.CLIPPED_CHANNEL,
         Note.COMMAND_CHANNEL,
         Note.DERIVED_CHANNEL,
         Note.FEWER_CHANNELS,

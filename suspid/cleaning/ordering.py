@@ -18,7 +18,7 @@ LATEST = 1e15
 # A clock has stopped where its last stamp stands in more than this many times the rows of any other: with fewer, stamps
 # that come in packets of rows, or are rounded, stop too.
 STOPPED = 8
-# A stamp out of order was taken between its neighbours if these are two usual steps apart, to this share of a step: more
+# A stamp out of order belongs between its neighbours if these are two usual steps apart, to this share of a step: more
 # takes the border of two recordings for one.
 NEAR_TWO = 0.5
 # A row that was sent again follows at most this many rows after the first: more rows are another recording.
@@ -179,9 +179,9 @@ def _wrongly_stamped(times: RealArray, index: Indices) -> RealArray | None:
 
 
 def _between_neighbours(times: RealArray) -> RealArray | None:
-    """Return the stamps with single ones that are out of order set between their neighbours, or None if that is no repair.
+    """Return the stamps with single ones that are out of order set between their neighbours; None if that is no order.
 
-    The neighbours must be two usual steps apart. Unlike a line, this needs no clock that is even over the record.
+    The neighbours are two usual steps apart. Unlike a line, this needs no clock that is even over the record.
     """
     back = np.flatnonzero(np.diff(times) <= 0)
     usual = float(np.median(np.diff(times)))

@@ -123,6 +123,10 @@ class Note(Code):
         "channel {channel!r} measures blows ({blows}), not a motion: short pulses that push one way; left out; name "
         "the channels to use it",
     )
+    CLIPPED_CHANNEL = (
+        "clipped channel",
+        "channel {channel!r} is clipped in the part that is used; left out; name the channels to use it",
+    )
     IDLE_CHANNEL = (
         "idle channel",
         "channel {channel!r} has the same noise whether others move or not; left out; name the channels to use it",

@@ -109,7 +109,7 @@ def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
 
 def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | None]:
     """Return the indices of the lines of names and of units above the data."""
-    filled = [k for k, line in enumerate(above) if line.strip() and not RULE.fullmatch(plain(line))]
+    filled = [k for k, line in enumerate(above) if line.strip(" \t\"'") and not RULE.fullmatch(plain(line))]
     rows = list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
     if not rows:
         if filled:

@@ -1,0 +1,111 @@
+"""The largest motion of a record is tried where the search for decays ends without a result."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from suspid import Settings, analyse, identify
+from suspid.analysis.largest import _largest, of_largest
+from suspid.analysis.used import Used
+from suspid.records import as_response, cut
+from suspid.signals import as_signal
+from suspid.units import RealArray
+from suspid.words import Level, Note, RecordCheck, Remark
+
+RATE = 1000
+
+
+def ruler(seed: int, *, bend: float = 0.35) -> tuple[RealArray, RealArray]:
+    """Return times and the motion of a ruler at the edge of a table, plucked at .5 s, as a sensor that bends has it.
+
+    15.1 Hz; where it hits the edge the clamp loses more of it in large swings. Steps of a fifth of a sample.
+    """
+    rng = np.random.default_rng(seed)
+    wn, step, q, v, out = 2 * np.pi * 15.1, 1 / (5 * RATE), 1.0, 0.0, []
+    for k in range(int(2.5 * RATE) * 5):
+        if k % 5 == 0:
+            out.append(q)
+        v += step * (-2 * (0.005 + 0.006 * abs(q)) * wn * v - wn**2 * q * (1 - 0.02 * abs(q)))
+        q += step * v
+    motion = np.concatenate([np.zeros(RATE // 2), out])
+    t = np.arange(motion.size) / RATE
+    since = np.maximum(t - 0.5, 0.0)
+    knock = np.where(t > 0.5, np.exp(-since / 0.02), 0.0) * rng.standard_normal(t.size)
+    drift = 0.03 * np.cumsum(rng.standard_normal(t.size)) / np.sqrt(RATE)
+    y = motion + bend * motion**2 + 0.3 * knock + drift + 0.03 * np.sin(2 * np.pi * 50 * t) * rng.random(t.size)
+    return t, np.asarray(np.round(31000 + 9000 * y))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_plucked_ruler(seed: int, tmp_path: Path) -> None:
+    t, values = ruler(seed)
+    path = tmp_path / "ruler.csv"
+    np.savetxt(path, np.column_stack([t, values]), fmt="%.6g", delimiter=",", header="t [s],level", comments="")
+    found = analyse(path)
+    assert len(found.modes)
+    assert abs(found.modes.wn[0] / (2 * np.pi) - 15.05) < 0.1
+    assert 0.005 < found.modes.zeta[0] < 0.012
+
+
+class TestOfLargest:
+    t = np.arange(3000) / 100
+    swing = np.where(t > 5, np.exp(-0.3 * np.maximum(t - 5, 0)) * np.sin(12 * (t - 5)), 0.0)
+    noise = 2e-3 * np.random.default_rng(1).standard_normal(3000)
+
+    def stretch(self, start: float, values: RealArray) -> tuple[Used, Used]:
+        record = as_response(self.t, values[None], ["seat"])
+        part = cut(record, start=start, stop=start + 2.0)
+        return Used(record=record, decays=(), used=(), notes=()), Used(record=part, decays=(), used=(), notes=())
+
+    def test_what_is_far_larger_is_used_instead_of_nothing(self) -> None:
+        whole, calm = self.stretch(1.0, self.swing + self.noise)
+        none = identify(calm.record)
+        assert not len(none.modes)
+        used = of_largest(whole.record, calm, none, Settings())
+        assert used is not None
+        assert used.identification is not None
+        assert used.identification.modes.wn == pytest.approx([12.0], rel=2e-3)
+        assert [note.code for note in used.notes] == [Note.LARGEST_USED]
+        assert 4 < as_signal(used.record).start < 7
+
+    def test_modes_that_are_not_doubtful_stay(self) -> None:
+        whole, part = self.stretch(20.0, self.swing + 0.02 * self.noise)
+        found = identify(part.record)
+        assert found.verdict.level > Level.DOUBTFUL
+        assert of_largest(whole.record, part, found, Settings()) is None
+
+    @pytest.mark.parametrize("settings", [Settings(start=1.0), Settings(modes=1), Settings(decay="whole")])
+    def test_what_the_settings_choose_stays(self, settings: Settings) -> None:
+        whole, calm = self.stretch(1.0, self.swing + self.noise)
+        assert of_largest(whole.record, calm, identify(calm.record), settings) is None
+
+    def test_modes_of_one_start_alone_are_none(self) -> None:
+        """A sweep has another frequency from each start on."""
+        sweep = np.where(self.t > 5, np.exp(-0.05 * (self.t - 5)) * np.sin(0.8 * (self.t - 5) ** 2), 0.0)
+        whole, calm = self.stretch(1.0, sweep + self.noise)
+        assert of_largest(whole.record, calm, identify(calm.record), Settings()) is None
+
+    def test_noise_has_no_largest_motion(self) -> None:
+        whole, calm = self.stretch(1.0, self.noise)
+        assert _largest(as_signal(whole.record)) is None
+        short = cut(whole.record, stop=2.0)
+        assert _largest(as_signal(short)) is None
+
+    def test_it_lasts_until_the_record_is_calm_again(self) -> None:
+        whole, _ = self.stretch(1.0, self.swing + self.noise)
+        span = _largest(as_signal(whole.record))
+        assert span is not None
+        assert 4 < span[0] < 5.3
+        assert 15 < span[1] < 29
+
+
+def test_it_calls_for_care() -> None:
+    swing = TestOfLargest.swing + TestOfLargest.noise
+    found = analyse(as_response(TestOfLargest.t, swing[None], ["seat"]))
+    assert found.verdict.level is Level.SOUND
+    used = replace(found, notes=(*found.notes, Remark(Note.LARGEST_USED, {"start": 1.0, "stop": 2.0})))
+    assert RecordCheck.LARGEST_USED in {check.remark.code for check in used.verdict.checks}
+    assert used.verdict.level is Level.CARE
