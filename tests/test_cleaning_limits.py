@@ -242,10 +242,10 @@ def test_values_that_a_slow_bus_holds_count_once(seed: int, hold: int) -> None:
 class TestSingleRows:
     """One row of thousands that a phone sends twice, or with the stamp of another."""
 
-    STAMPS = np.arange(300) / 100 + 0.003 * np.sin(np.arange(300) / 40)
+    STAMPS: RealArray = np.asarray(np.arange(300) / 100 + 0.003 * np.sin(np.arange(300) / 40), float)
     VALUES = np.random.default_rng(2).standard_normal((2, 300))
 
-    def order(self, stamps: RealArray, values: RealArray) -> tuple[RealArray, RealArray, list[Defect]]:
+    def order(self, stamps: RealArray, values: RealArray) -> tuple[RealArray, RealArray, list[object]]:
         times, rows, findings = ordered(stamps, values, np.arange(stamps.size), np.zeros(0, np.intp))
         return times, values[:, rows], [finding.kind for finding in findings]
 
@@ -277,7 +277,7 @@ class TestSingleRows:
         rng = np.random.default_rng(3)
         steps = rng.integers(1, 10, 300) / 1000
         steps[rng.choice(np.arange(2, 298, 2), tied, replace=False)] = 0.0
-        stamps = np.round(np.cumsum(steps), 3)
+        stamps = np.asarray(np.round(np.cumsum(steps), 3), float)
         if not fine:
             with pytest.raises(RecordError, match="repeat the one before"):
                 self.order(stamps, self.VALUES)

@@ -57,6 +57,25 @@ def test_velocity_and_acceleration_that_were_computed_are_left_out(half: int, un
     ]
 
 
+@pytest.mark.parametrize(("count", "told"), [(100, True), (52, True), (51, False)])
+def test_so_are_those_of_short_records(count: int, told: bool) -> None:
+    """Four samples for each of thirteen weights; fewer may be told by chance."""
+    values = exported(2, seed=2)[:, :count]
+    left, _ = without_derivatives(as_response(TIME[:count], values, ["x", "v", "a"]))
+    assert list(left.output_labels) == (["x"] if told else ["x", "v", "a"])
+
+
+@pytest.mark.parametrize("count", [52, 100, 200])
+def test_sensors_of_few_samples_stay(count: int) -> None:
+    """Position and speed of one swing, each with noise of its own."""
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        values = np.stack([swing(), np.gradient(swing(), TIME)])[:, :count]
+        values = values + 0.003 * np.std(values, axis=1, keepdims=True) * rng.standard_normal(values.shape)
+        left, _ = without_derivatives(as_response(TIME[:count], values, ["x", "v"]))
+        assert list(left.output_labels) == ["x", "v"]
+
+
 @pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-2])
 def test_sensors_of_the_same_motion_are_kept(noise: float) -> None:
     # Position, speed and acceleration of one decay, each with its own noise, rounded to six digits.

@@ -89,7 +89,7 @@ class TestOfLargest:
         assert of_largest(whole.record, calm, identify(calm.record), Settings()) is None
 
     def test_noise_has_no_largest_motion(self) -> None:
-        whole, calm = self.stretch(1.0, self.noise)
+        whole, _ = self.stretch(1.0, self.noise)
         assert _largest(as_signal(whole.record)) is None
         short = cut(whole.record, stop=2.0)
         assert _largest(as_signal(short)) is None

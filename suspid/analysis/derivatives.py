@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 # Samples on either side from which a derivative is computed at most, and of its own past from which a motion is
 # predicted. Programs use two or three on either side; a past of four modes is longer than most need.
 SAMPLES_ABOUT, PAST_SAMPLES = 5, 8
+# Samples for each of these weights: with fewer, any channel is a weighted sum of samples of another.
+SAMPLES_EACH_WEIGHT = 4
 # A derivative has this gain to within this share, but for a power of ten of the units: other points of a structure do
 # not.
 GAIN_ERROR = 0.01
@@ -48,7 +50,7 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
     (['x'], 1)
     """
     signal = as_signal(record)
-    if len(signal.channels) < 2 or signal.values.shape[1] < (SAMPLES_ABOUT + PAST_SAMPLES) ** 2:
+    if len(signal.channels) < 2 or signal.values.shape[1] < SAMPLES_EACH_WEIGHT * (SAMPLES_ABOUT + PAST_SAMPLES):
         return record, ()
     sources = _sources(signal.values[:, :SAMPLES_READ], signal.step)
     if not sources:

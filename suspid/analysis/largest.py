@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 # Parts of a record in which its motion is compared, of at least this many samples.
 PARTS_COMPARED, FEWEST_EACH = 40, 8
+# It moves this many times as much as the calmest tenth of them: noise that wanders does not.
+STANDS_OUT = 10.0
 # A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
 # largest.
 CALM_AGAIN, FADED = 1.5, 0.01
@@ -70,30 +72,38 @@ def of_largest(
 
 
 def _largest(signal: Signal) -> tuple[Second, Second] | None:
-    """Return from when to when a record moves most; None if it is too short to tell, or moves alike throughout."""
+    """Return from when to when a record moves most; None if it is too short to tell, or none stands out."""
     each = signal.values.shape[1] // PARTS_COMPARED
     if each < FEWEST_EACH:
         return None
     parts = signal.values[:, : PARTS_COMPARED * each].reshape(len(signal.values), PARTS_COMPARED, each)
     moves = np.max(np.ptp(parts, axis=2) / np.maximum(np.ptp(signal.values, axis=1), 1e-300)[:, None], axis=0)
-    most = int(np.argmax(moves))
-    calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * np.quantile(moves, 0.1), FADED * moves[most]))
-    if calm.size and calm[0] == 0:
+    most, calmest = int(np.argmax(moves)), float(np.quantile(moves, 0.1))
+    if moves[most] < STANDS_OUT * calmest:
         return None
+    calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * calmest, FADED * moves[most]))
     end = (most + int(calm[0])) * each if calm.size else signal.values.shape[1] - 1
     return signal.start + signal.step * most * each, signal.start + signal.step * end
 
 
 def _plain(found: Identification, level: Level) -> bool:
-    """Return whether modes that swing explain most of the motion, and are at least as sure as a level."""
-    explains = float(np.max(found.explained)) > MOST_OF_IT
-    known = level is Level.DOUBTFUL or damping_known(found.modes)
-    return bool(len(found.modes)) and swings(found.modes) and explains and known and found.verdict.level >= level
+    """Return whether modes that swing are as sure as a level, and what an eye would see."""
+    if not _follows(found, level) or not swings(found.modes):
+        return False
+    if level is Level.DOUBTFUL:
+        # One swing; others beside it may be what forces leave.
+        return found.verdict.level is level and len(found.modes) == 1
+    return damping_known(found.modes)
+
+
+def _follows(found: Identification, level: Level) -> bool:
+    """Return whether modes explain most of the motion, and are at least as sure as a level."""
+    return bool(len(found.modes)) and float(np.max(found.explained)) > MOST_OF_IT and found.verdict.level >= level
 
 
 def _agreeing(one: Identification, tries: Sequence[Identification | None], level: Level) -> int:
     """Return how many other identifications show all modes of one, and are at least as sure as a level."""
     poles = one.modes.poles
-    others = [other for other in tries if other is not None and other is not one and _plain(other, level)]
+    others = [other for other in tries if other is not None and other is not one and _follows(other, level)]
     apart = [np.min(np.abs(poles[:, None] - other.modes.poles), axis=1) for other in others]
     return sum(bool(np.all(each < SAME_POLE * np.abs(poles))) for each in apart)

@@ -45,6 +45,8 @@ FEWEST_CYCLES = 6
 EACH_EXPLAINED = 0.9
 
 
+# Steps that lead nowhere may overflow; what is not finite is refused.
+@np.errstate(over="ignore", invalid="ignore")
 def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, modes: int | None = None) -> Bent | None:
     """Return the modes and the forces that explain a decay better than one more pole does; None if there are none.
 
