@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import Settings, analyse
-from suspid.analysis.far_larger import larger_elsewhere
+from suspid import Settings, analyse, identify
+from suspid.analysis.far_larger import larger_elsewhere, only_the_end
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
@@ -94,3 +94,16 @@ def test_the_last_swings_are_not_used_for_all(zeta: float, friction: float, tmp_
     law = zeta + 4 / (3 * np.pi) * 0.0015 * a / 4.44 + 2 * friction / (np.pi * 4.44**2 * a)
     seen = (a > 20) & (a < 150)
     assert np.max(np.abs(dependence.zeta / law - 1)[seen]) < 0.2
+
+
+@pytest.mark.parametrize(("zeta", "size", "end"), [(0.02, 10.0, True), (0.048, 10.0, False), (0.02, 1.5, False)])
+def test_an_end_that_is_damped_otherwise_is_only_the_end(zeta: float, size: float, end: bool) -> None:
+    """A tenth of the amplitude and 2.5 times the damping; the same damping, or a similar amplitude, is not."""
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((2, 1000))
+    time = np.arange(1000) / 100
+    whole, part = (
+        identify(as_response(time, (s * np.exp(-z * 9 * time) * np.sin(9 * time) + e)[None], ["seat"]))
+        for s, z, e in ((size, zeta, noise[0]), (1.0, 0.05, noise[1]))
+    )
+    assert only_the_end(whole, part) is end
+    assert not only_the_end(whole, None)

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import Settings, analyse
+from suspid import RecordError, Settings, analyse
 from suspid.words import Level, Note, RecordCheck
 
 RATE = 113.0
@@ -85,3 +85,19 @@ def test_a_command_that_follows_a_sensor_is_no_measurement(tmp_path: Path) -> No
     assert Note.COMMAND_CHANNEL in {note.code for note in found.notes}
     alone = analyse(written(tmp_path / "alone.csv", follows, names=("Commanded Pos",)))
     assert alone.modes.channels == ("Commanded Pos",)
+
+
+def test_a_clipped_channel_beside_others_is_left_out(tmp_path: Path) -> None:
+    """A sensor at its limit from swing to swing cannot be used; those beside it can."""
+    t = np.arange(900) / 100
+    motion = np.exp(-0.15 * t) * np.cos(6 * t) + 2e-3 * np.random.default_rng(1).standard_normal(t.size)
+    columns = np.column_stack([t, motion, np.clip(1.3 * motion, -0.3, 0.3)])
+    path = tmp_path / "clipped.csv"
+    np.savetxt(path, columns, fmt="%.6g", delimiter=",", header="t [s],seat,chassis", comments="")
+    found = analyse(path)
+    assert found.modes.channels == ("seat",)
+    assert found.modes.wn == pytest.approx([6.0], rel=1e-3)
+    (note,) = [note for note in found.notes if note.code is Note.CLIPPED_CHANNEL]
+    assert note.numbers["channel"] == "chassis"
+    with pytest.raises(RecordError, match="'chassis' is clipped"):
+        analyse(path, settings=Settings(channels=("seat", "chassis")))

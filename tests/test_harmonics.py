@@ -9,11 +9,11 @@ from suspid.records import as_response
 from suspid.words import Reason
 
 
-def found(hertz: list[float], sizes: list[float], rates: list[float]) -> Identification:
+def found(hertz: list[float], sizes: list[float], rates: list[float], *, size: float = 1e-4) -> Identification:
     time = np.arange(2000) / 200
     motions = zip(hertz, sizes, rates, strict=True)
     values = sum(s * np.exp(-r * time) * np.cos(2 * np.pi * f * time) for f, s, r in motions)
-    noise = 1e-4 * np.random.default_rng(3).standard_normal((1, time.size))
+    noise = size * np.random.default_rng(3).standard_normal((1, time.size))
     return identify(as_response(time, values + noise, ["body"]))
 
 
@@ -64,6 +64,13 @@ class TestStrongHarmonics:
         """So is one at four times the frequency: of higher orders one is near sooner."""
         one = found([3.0, hertz], [1.0, 0.3], [0.2, 0.5])
         assert np.round(one.modes.wn / (2 * np.pi), 2).tolist() == [3.0, hertz]
+
+    def test_one_whose_frequency_is_hardly_known_is_a_mode(self) -> None:
+        """Its interval reaches the multiple, and is as wide as a seventh of the way from one to the next."""
+        one = found([3.0, 6.02], [1.0, 0.3], [0.2, 0.6], size=0.2)
+        assert np.round(one.modes.wn / (2 * np.pi)).tolist() == [3.0, 6.0]
+        assert one.modes.wn_std is not None
+        assert 0.01 < one.modes.wn_std[1] / (2 * np.pi) < 0.06
 
     def test_one_that_is_stronger_is_a_mode(self) -> None:
         one = found([3.0, 6.0], [0.5, 1.0], [0.2, 0.3])

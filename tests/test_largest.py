@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import Settings, analyse, identify
+from suspid import Identification, Settings, analyse, identify
 from suspid.analysis.largest import _largest, of_largest
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
@@ -87,6 +87,20 @@ class TestOfLargest:
         sweep = np.where(self.t > 5, np.exp(-0.05 * (self.t - 5)) * np.sin(0.8 * (self.t - 5) ** 2), 0.0)
         whole, calm = self.stretch(1.0, sweep + self.noise)
         assert of_largest(whole.record, calm, identify(calm.record), Settings()) is None
+
+    @pytest.mark.parametrize(("apart", "used"), [(0.0, True), (0.1, False)])
+    def test_another_start_shows_the_same(self, apart: float, used: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Each start has a mode of its own where they are apart, as sure as if it were one."""
+        whole, calm = self.stretch(1.0, self.swing + self.noise)
+        none, time, tries = identify(calm.record), np.arange(600) / 100, iter(range(6))
+
+        def tried(_part: object, _settings: Settings) -> Identification:
+            wn = 12 * (1 + apart) ** next(tries)
+            values = np.exp(-0.3 * time) * np.sin(wn * time) + self.noise[:600]
+            return identify(as_response(time, values[None], ["seat"]))
+
+        monkeypatch.setattr("suspid.analysis.largest.tried", tried)
+        assert (of_largest(whole.record, calm, none, Settings()) is not None) is used
 
     def test_noise_has_no_largest_motion(self) -> None:
         whole, _ = self.stretch(1.0, self.noise)

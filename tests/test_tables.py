@@ -245,6 +245,11 @@ class TestExports:
         recording = read(tmp_path, "Time(s), Angle(deg)\n-------------------\n0.0, 1.5\n0.5, 2.5\n1.0, 3\n")
         assert recording.names == ("Angle(deg)",)
 
+    def test_lines_of_empty_quotes_below_the_header(self, tmp_path: Path) -> None:
+        rows = "".join(f"{t},{y},{-y}\n" for t, y in zip(TIME, SEAT, strict=True))
+        (tmp_path / "a.csv").write_text('Time,AccX,AccY\n""\n""\n' + rows, encoding="utf-8")
+        assert [channel.name for channel in read_recording(tmp_path / "a.csv").channels] == ["AccX", "AccY"]
+
     def test_a_time_before_each_channel(self, tmp_path: Path) -> None:
         rows = "".join(f"{k / 4},{k},{k / 4},{-k},{k / 2},{2 * k}\n" for k in range(9))
         head = '"Time - Road (m)","Road (m)","Time - Body (m)","Body (m)","Time - Hub (m)","Hub (m)"\n'

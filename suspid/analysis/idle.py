@@ -68,8 +68,7 @@ def idle(values: RealArray) -> NDArray[np.bool_]:
     moves = np.any(energies > MOVING * calm, axis=0)
     if not moves.any() or moves.all():
         return none
-    steady = np.all(energies <= MOVING * calm, axis=1)
-    return np.asarray(steady & _alike(parts[:, moves], parts[:, ~moves]))
+    return _alike(parts[:, moves], parts[:, ~moves])
 
 
 def _alike(there: RealArray, elsewhere: RealArray) -> NDArray[np.bool_]:

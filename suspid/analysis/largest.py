@@ -35,6 +35,8 @@ CALM_AGAIN, FADED = 1.5, 0.01
 STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
 # Other starts that must show the same modes, for a result that is not doubtful and for one that is.
 AGREE, AGREE_DOUBTFUL = 1, 2
+# A motion of more samples is a drive more often than a decay, and takes seconds for each start.
+LONGEST_TRIED = 50_000
 # A fit explains this share of the energy of a channel where its modes are the largest motion.
 MOST_OF_IT = 0.8
 
@@ -57,7 +59,8 @@ def of_largest(
     if span is None:
         return None
     first, last = span
-    if (last - first) * (1 - STARTS_TRIED[-1]) < FEWEST_SAMPLES * as_signal(record).step:
+    count = (last - first) / as_signal(record).step
+    if not FEWEST_SAMPLES / (1 - STARTS_TRIED[-1]) <= count <= LONGEST_TRIED:
         return None
     parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS_TRIED]
     tries = [tried(part, settings) for part in parts]
