@@ -72,8 +72,9 @@ class TestStrongHarmonics:
         assert one.modes.wn_std is not None
         assert 0.01 < one.modes.wn_std[1] / (2 * np.pi) < 0.06
 
-    def test_one_that_is_stronger_is_a_mode(self) -> None:
-        one = found([3.0, 6.0], [0.5, 1.0], [0.2, 0.3])
+    @pytest.mark.parametrize("size", [0.6, 2.0])
+    def test_one_that_is_stronger_is_a_mode(self, size: float) -> None:
+        one = found([3.0, 6.0], [1.0, size], [0.2, 0.3])
         assert np.round(one.modes.wn / (2 * np.pi), 1).tolist() == [3.0, 6.0]
 
 

@@ -362,7 +362,7 @@ class TestHarmonics:
         assert named == ([{"mode": 1, "multiple": 0}] if moves else [])
         assert (found.verdict.level is Level.CARE) or not moves
 
-    @pytest.mark.parametrize(("ratio", "rate", "share"), [(2.03, 0.4, 0.05), (2.0, 2.5, 0.05), (2.0, 0.6, 0.5)])
+    @pytest.mark.parametrize(("ratio", "rate", "share"), [(2.03, 0.4, 0.05), (2.0, 2.5, 0.05), (2.0, 0.6, 0.6)])
     def test_a_mode_near_a_multiple_is_a_mode(self, ratio: float, rate: float, share: float) -> None:
         """Beside the multiple, decaying faster than a harmonic, or too strong for one."""
         assert len(self.found(ratio, rate, share).modes) == 2

@@ -17,9 +17,10 @@ from suspid.words import Reason
 # every frequency, unless that is known so well that chance hits one as rarely as the third number says, beside another
 # harmonic.
 WEAK, HIGHEST, BY_CHANCE = 0.2, 7, 0.05
-# What is as strong as nearly its mode is a harmonic too, of second or third order, where its frequency is known so well
-# that another mode lies as near to the multiple as rarely as the second number says: sensors that bend make such.
-LOW_ORDER, AS_RARELY = 3, 0.02
+# Up to the first share it is a harmonic too, of at most the second number's order, where its frequency is known so well
+# that another mode lies as near to the multiple as rarely as the third number says: sensors that bend make such. A
+# larger share would turn back what they show.
+HALF_AS_LARGE, LOW_ORDER, AS_RARELY = 0.5, 3, 0.02
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
 PRECISE = 0.01
@@ -47,7 +48,7 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
         if any(
             _is_square(modes, j, k)
             or (strengths[k] < WEAK**2 * strengths[j] and _is_multiple(modes, j, k))
-            or (strengths[k] < strengths[j] and _is_near_multiple(modes, j, k))
+            or (strengths[k] < HALF_AS_LARGE**2 * strengths[j] and _is_near_multiple(modes, j, k))
             for j in others
         ):
             reasons[number] = Reason.HARMONIC
