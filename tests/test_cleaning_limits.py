@@ -287,3 +287,10 @@ class TestSingleRows:
         assert np.all(np.diff(times) > 0)
         assert np.max(np.abs(times - stamps)) < 0.0005
         np.testing.assert_array_equal(left, self.VALUES)
+
+    @pytest.mark.parametrize(("later", "told"), [(0.0, "keep one of them"), (50.0, "take it with")])
+    def test_of_two_recordings_one_can_be_taken_where_their_times_are_apart(self, later: float, told: str) -> None:
+        stamps = np.append(self.STAMPS[:100] + later, self.STAMPS)
+        values = np.append(self.VALUES[:, :100], self.VALUES, axis=1)
+        with pytest.raises(RecordError, match=f"runs backwards.*{told}"):
+            self.order(stamps, values)

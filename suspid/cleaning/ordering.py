@@ -197,6 +197,10 @@ def _between_neighbours(times: RealArray) -> RealArray | None:
     return repaired if np.all(np.diff(repaired) > 0) else None
 
 
+def _taken(first: float, last: float) -> str:
+    return f"take it with {Argument('start', moment(first))} and {Argument('stop', moment(last))}"
+
+
 def _disordered(times: RealArray) -> str:
     back = np.flatnonzero(np.diff(times) < 0)
     if not back.size:
@@ -215,9 +219,12 @@ def _disordered(times: RealArray) -> str:
     longest = int(np.argmax(np.diff(edges)))
     first, last = edges[longest], edges[longest + 1] - 1
     k = back[0]
+    apart = np.delete(times, np.s_[first : last + 1])
+    alone = bool(np.all((apart < times[first]) | (apart > times[last])))
     return (
         f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from "
         f"{moment(times[k])} s to {moment(times[k + 1])} s): the clock restarted, or the file contains several "
         f"recordings; the longest run is rows {first + 1} to {last + 1}, {moment(times[first])} to "
-        f"{moment(times[last])} s; keep one of them in the file"
+        f"{moment(times[last])} s; "
+        + (_taken(times[first], times[last]) if alone else "keep one of them in the file")
     )
