@@ -136,6 +136,14 @@ class TestIdle:
             kept += not idle(np.stack([self.rings, 0.013 * other]) + noise)[1]
         assert kept > 20
 
+    def test_what_moves_elsewhere_is_not(self) -> None:
+        """Where one part alone moves far more than the calm ones, the others tell what is steady: not this."""
+        moves = np.sin(40 * self.t) * np.repeat([0.2, 1.0, 1.0, 1.0], 1000)
+        moves[2000:2100] *= 1.03
+        jump = np.where(np.arange(4000) // 100 == 20, 6.0, 1.0)
+        noise = np.random.default_rng(1).standard_normal((2, 4000))
+        assert not idle(np.stack([moves + 0.1 * noise[0], jump * noise[1]])).any()
+
     def test_where_all_moves_throughout_none_is(self) -> None:
         noise = np.random.default_rng(1).standard_normal((3, 4000))
         assert not idle(noise).any()

@@ -21,6 +21,8 @@ PARTS, LEAST_EACH = 40, 24
 # A part moves if a channel has this many times the energy there that it has in the calmest quarter of the record; what
 # moves less may be noise that changes.
 MOVING, CALMEST = 25.0, 0.25
+# What has more than this many times the energy of its calmest twentieth in no part is noise, or something steady.
+NEARLY_STEADY, CALMEST_OF_ALL = 6.0, 0.05
 
 
 def without_idle(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
@@ -68,7 +70,9 @@ def idle(values: RealArray) -> NDArray[np.bool_]:
     moves = np.any(energies > MOVING * calm, axis=0)
     if not moves.any() or moves.all():
         return none
-    return _alike(parts[:, moves], parts[:, ~moves])
+    least = np.quantile(energies, CALMEST_OF_ALL, axis=1)
+    steady = np.max(energies, axis=1) <= NEARLY_STEADY * least
+    return np.asarray(steady & _alike(parts[:, moves], parts[:, ~moves]))
 
 
 def _alike(there: RealArray, elsewhere: RealArray) -> NDArray[np.bool_]:

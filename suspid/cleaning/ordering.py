@@ -225,6 +225,5 @@ def _disordered(times: RealArray) -> str:
         f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from "
         f"{moment(times[k])} s to {moment(times[k + 1])} s): the clock restarted, or the file contains several "
         f"recordings; the longest run is rows {first + 1} to {last + 1}, {moment(times[first])} to "
-        f"{moment(times[last])} s; "
-        + (_taken(times[first], times[last]) if alone else "keep one of them in the file")
+        f"{moment(times[last])} s; " + (_taken(times[first], times[last]) if alone else "keep one of them in the file")
     )
