@@ -46,7 +46,7 @@ def written(path: Path, t: RealArray, values: RealArray) -> Path:
     return path
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_beam_that_is_struck_twice(seed: int, tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "struck.csv", *struck(seed)))
     assert found.modes.channels == ("in 2",)
@@ -175,6 +175,7 @@ def knocked(seed: int) -> tuple[RealArray, RealArray]:
     return t, np.array(out) + 1e-3 * rng.standard_normal(t.size)
 
 
+@pytest.mark.slow
 def test_a_later_part_is_used_where_the_first_is_no_decay(tmp_path: Path) -> None:
     t, values = knocked(5)
     path = tmp_path / "knocked.csv"

@@ -78,7 +78,10 @@ def pendulum(*, zeta: float, friction: float) -> RealArray:
     return np.asarray(np.round(439 + np.concatenate([np.full(20, largest), out])[: len(out)]))
 
 
-@pytest.mark.parametrize(("zeta", "friction"), [(0.0035, 1.2), (0.0035, 3.0), (0.002, 2.0)])
+@pytest.mark.parametrize(
+    ("zeta", "friction"),
+    [(0.0035, 1.2), *(pytest.param(*case, marks=pytest.mark.slow) for case in [(0.0035, 3.0), (0.002, 2.0)])],
+)
 def test_the_last_swings_are_not_used_for_all(zeta: float, friction: float, tmp_path: Path) -> None:
     """The end alone fits a line down to the noise, with the damping that friction gives to small swings."""
     values, path = pendulum(zeta=zeta, friction=friction), tmp_path / "pendulum.csv"
