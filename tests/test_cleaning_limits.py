@@ -258,6 +258,21 @@ class TestSingleRows:
         np.testing.assert_array_equal(times, self.STAMPS)
         np.testing.assert_array_equal(left, self.VALUES)
 
+    def test_a_mass_at_rest_is_not_sent_again_in_coarse_stamps(self) -> None:
+        """Three rows of one stamp, the first and last with the same samples: nothing came later in between."""
+        stamps, values = self.STAMPS.copy(), self.VALUES.copy()
+        stamps[151:153] = stamps[150]
+        values[:, 152] = values[:, 150]
+        with pytest.raises(RecordError, match="2 time stamps repeat the one before"):
+            self.order(stamps, values)
+
+    def test_several_rows_are_dropped_where_all_of_them_are_sent_again(self) -> None:
+        rows = np.concatenate([np.arange(150), np.arange(146, 300)])
+        times, left, codes = self.order(self.STAMPS[rows], self.VALUES[:, rows])
+        assert codes == [Defect.REPEATED_ROWS]
+        np.testing.assert_array_equal(times, self.STAMPS)
+        np.testing.assert_array_equal(left, self.VALUES)
+
     def test_one_with_an_earlier_stamp_is_set_between_its_neighbours(self) -> None:
         stamps = self.STAMPS.copy()
         stamps[150] = stamps[148]

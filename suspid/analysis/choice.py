@@ -85,6 +85,11 @@ def settled(found: Identification) -> bool:
     return bool(len(found.modes)) and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
 
 
+def damping_known(found: Identification) -> bool:
+    """Return whether no damping ratio has an interval that reaches zero."""
+    return not any(check.remark.code is ModeCheck.DAMPING_UNKNOWN for check in found.verdict.checks)
+
+
 def explains(whole: Identification, part: Identification) -> bool:
     """Return whether the fit to a whole record explains a stretch of it as well as the fit to the stretch alone.
 
@@ -133,7 +138,7 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     forces leaves hardly anything. Of a whole record, only real poles beside steady tones are doubted.
     """
     if len(used) != 1:
-        return () if used or not _beside_tones(found) else (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)
+        return () if used else _beside_tones(found)
     decay = used[0]
     # A background that excites the mode bends a decay as forces do, and of many stretches some look so by chance.
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
@@ -158,10 +163,12 @@ def _never_swings(decay: Decay, found: Identification) -> tuple[Check, ...]:
     return (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)
 
 
-def _beside_tones(found: Identification) -> bool:
-    """Return whether real poles alone were found, and tones beside them: what is driven has a mean that wanders."""
+def _beside_tones(found: Identification) -> tuple[Check, ...]:
+    """Return the doubt that real poles alone were found beside tones: what is driven has a mean that wanders."""
     tones = any(c.removed and c.remark.code is Reason.TONE for c in found.considered)
-    return bool(len(found.modes)) and not np.any(found.modes.poles.imag) and tones
+    if not len(found.modes) or np.any(found.modes.poles.imag) or not tones:
+        return ()
+    return (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)
 
 
 def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:

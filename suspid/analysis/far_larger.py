@@ -44,21 +44,21 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
     Where friction stops what swings, or where a sensor is coarse, the last swings look like a linear decay. The whole
     tells more if forces explain it as well as the end is explained, or if its damping is another one.
     """
-    if part is None or not len(part.modes):
+    if part is None or not len(part.modes) or not len(whole.modes):
         return False
     ours, theirs = _energies(as_signal(whole.fitted)), _energies(as_signal(part.fitted))
     if set(ours) != set(theirs) or not all(ours[name] > MORE * theirs[name] for name in theirs):
         return False
-    ends = part.modes
-    if not len(whole.modes) or whole.modes.zeta_std is None or ends.zeta_std is None:
+    modes, ends = whole.modes, part.modes
+    if modes.zeta_std is None or ends.zeta_std is None:
         return False
-    nearest = np.argmin(np.abs(ends.wn[:, None] - whole.modes.wn), axis=1)
-    if np.any(np.abs(whole.modes.wn[nearest] / ends.wn - 1) > SAME_MODE):
+    nearest = np.argmin(np.abs(ends.wn[:, None] - modes.wn), axis=1)
+    if np.any(np.abs(modes.wn[nearest] / ends.wn - 1) > SAME_MODE):
         return False
     if whole.forces and whole.verdict.level >= part.verdict.level:
         return True
-    apart = np.abs(whole.modes.zeta[nearest] - ends.zeta)
-    sure = SURE * np.hypot(whole.modes.zeta_std[nearest], ends.zeta_std)
+    apart = np.abs(modes.zeta[nearest] - ends.zeta)
+    sure = SURE * np.hypot(modes.zeta_std[nearest], ends.zeta_std)
     return bool(np.any(apart > np.maximum(sure, UNLIKE * ends.zeta)))
 
 

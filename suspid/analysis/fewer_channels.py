@@ -12,8 +12,8 @@ from suspid.analysis.choice import level_of
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
-from suspid.analysis.used import Used
-from suspid.cleaning import clipped_run
+from suspid.analysis.used import Used, without_channels
+from suspid.cleaning import is_clipped
 from suspid.decays import DRIVEN
 from suspid.errors import SuspidError
 from suspid.identification import Identification
@@ -79,17 +79,9 @@ def without_clipped(used: Used, settings: Settings) -> Used:
     """
     if settings.channels is not None or used.identification is not None:
         return used
-    signal = as_signal(used.record)
-    out = [
-        name
-        for name, samples in zip(signal.channels, signal.values, strict=True)
-        if any(clipped_run(samples, largest=largest) is not None for largest in (True, False))
-    ]
-    if not out or len(out) == len(signal.channels):
-        return used
-    kept = [name for name in signal.channels if name not in out]
-    notes = [Remark(Note.CLIPPED_CHANNEL, {"channel": name}) for name in out]
-    return replace(used, record=of_channels(used.record, kept), notes=(*notes, *used.notes))
+    clipped = np.array([is_clipped(samples) for samples in as_signal(used.record).values])
+    record, notes = without_channels(used.record, clipped, Note.CLIPPED_CHANNEL)
+    return replace(used, record=record, notes=(*notes, *used.notes))
 
 
 def multiples_alone(of_all: ModalSet, of_fewer: ModalSet) -> bool:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.analysis.used import without_channels
 from suspid.levels import LEVEL
-from suspid.records import of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import Note, Remark
@@ -38,14 +38,7 @@ def without_idle(record: control.TimeResponseData) -> tuple[control.TimeResponse
     >>> list(left.output_labels), len(notes)
     (['x'], 1)
     """
-    signal = as_signal(record)
-    none = idle(signal.values)
-    if not none.any():
-        return record, ()
-    kept = [name for name, out in zip(signal.channels, none, strict=True) if not out]
-    return of_channels(record, kept), tuple(
-        Remark(Note.IDLE_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept
-    )
+    return without_channels(record, idle(as_signal(record).values), Note.IDLE_CHANNEL)
 
 
 def idle(values: RealArray) -> NDArray[np.bool_]:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import tried
+from suspid.analysis.choice import damping_known, tried
 from suspid.analysis.far_larger import larger_elsewhere
-from suspid.analysis.forced_start import SAME_POLE
+from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import damping_known, swings
+from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used, instead_of
 from suspid.identification import FEWEST_SAMPLES, Identification
@@ -51,8 +51,7 @@ def of_largest(
     """
     if not questioned(found, settings):
         return None
-    elsewhere = bool(larger_elsewhere(record, stretch))
-    if len(found.modes) and not (elsewhere and found.verdict.level is Level.DOUBTFUL):
+    if len(found.modes) and not (found.verdict.level is Level.DOUBTFUL and larger_elsewhere(record, stretch)):
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
     span = _largest(as_signal(record))
@@ -96,7 +95,7 @@ def _plain(found: Identification, level: Level) -> bool:
     if level is Level.DOUBTFUL:
         # One swing; others beside it may be what forces leave.
         return found.verdict.level is level and len(found.modes) == 1
-    return damping_known(found.modes)
+    return damping_known(found)
 
 
 def _follows(found: Identification, level: Level) -> bool:
@@ -106,7 +105,5 @@ def _follows(found: Identification, level: Level) -> bool:
 
 def _agreeing(one: Identification, tries: Sequence[Identification | None], level: Level) -> int:
     """Return how many other identifications show all modes of one, and are at least as sure as a level."""
-    poles = one.modes.poles
     others = [other for other in tries if other is not None and other is not one and _follows(other, level)]
-    apart = [np.min(np.abs(poles[:, None] - other.modes.poles), axis=1) for other in others]
-    return sum(bool(np.all(each < SAME_POLE * np.abs(poles))) for each in apart)
+    return sum(shared_modes([one, other])[0] == 1.0 for other in others)

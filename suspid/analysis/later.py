@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import level_of, tried
+from suspid.analysis.choice import damping_known, level_of, tried
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import LATER_SHARES, damping_known, swings
+from suspid.analysis.stretch import LATER_SHARES, swings
 from suspid.analysis.support import questioned, supported
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import FIT, Decay, Decays, by_chance, find_decays
@@ -46,7 +46,7 @@ def from_later(
             continue
         used = instead_of(stretch, used_of(record, decays, part))
         again = tried(used.record, settings)
-        if again is None or not len(again.modes) or not swings(again.modes) or not damping_known(again.modes):
+        if again is None or not len(again.modes) or not swings(again.modes) or not damping_known(again):
             continue
         kept = supported(again, used, settings, whole=record)
         if level_of(kept, used.used, decays) > Level.DOUBTFUL:

@@ -21,7 +21,6 @@ from suspid.analysis.used import Used, used_of
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
-from suspid.levels import NORMAL_95
 from suspid.model import ModalSet
 from suspid.records import cut, late_start
 from suspid.signals import as_signal
@@ -238,11 +237,6 @@ def _again(
 def swings(modes: Decay | ModalSet) -> bool:
     """Return whether the slowest mode makes cycles that can be seen, or there is none."""
     return not modes.wn.size or float(modes.zeta[np.argmin(modes.wn)]) < NO_CYCLE
-
-
-def damping_known(modes: ModalSet) -> bool:
-    """Return whether no damping ratio has an interval that reaches zero."""
-    return modes.zeta_std is None or bool(np.all(NORMAL_95 * modes.zeta_std < np.abs(modes.zeta)))
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:

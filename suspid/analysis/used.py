@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.analysis.held import toggles
 from suspid.analysis.past_clipping import past_clipping
@@ -58,12 +59,18 @@ def instead_of(before: Used, part: Used) -> Used:
     return replace(part, notes=(*said, *part.notes))
 
 
-def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:
+def without_channels(
+    record: control.TimeResponseData, out: NDArray[np.bool_], why: Note
+) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
+    """Return the record without some of its channels, (channel,), and a note on each; the record where none is left."""
+    if out.all() or not out.any():
+        return record, ()
+    channels = as_signal(record).channels
+    kept = [name for name, left_out in zip(channels, out, strict=True) if not left_out]
+    return of_channels(record, kept), tuple(Remark(why, {"channel": name}) for name in channels if name not in kept)
+
+
+def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
     """Return the record without channels that stand still in it, and what was left out."""
-    signal = as_signal(record)
-    moving = ~np.array([toggles(samples) for samples in signal.values])
-    if moving.all() or not moving.any():
-        return record, []
-    kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
-    notes = [Remark(Note.STILL_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept]
-    return of_channels(record, kept), notes
+    still = np.array([toggles(samples) for samples in as_signal(record).values])
+    return without_channels(record, still, Note.STILL_CHANNEL)

@@ -10,7 +10,7 @@ from suspid.cleaning.aligned import Aligned, aligned, parts_of
 from suspid.cleaning.as_record import as_record
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
-from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
+from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping, is_clipped
 from suspid.cleaning.clock import DRIFT
 from suspid.cleaning.conversions import name_in_si, scaled, si_unit, to_si
 from suspid.cleaning.data_forms import RecordLike, is_pair
@@ -52,6 +52,7 @@ __all__ = [
     "derivative_orders",
     "halving_error",
     "interpolate",
+    "is_clipped",
     "is_pair",
     "name_in_si",
     "named_quantities",

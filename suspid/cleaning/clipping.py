@@ -57,6 +57,18 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     return (int(first[longest]), int(counts[longest])) if chance < UNLIKELY else None
 
 
+def is_clipped(samples: RealArray) -> bool:
+    """Return whether a channel is clipped at its largest or smallest value.
+
+    Examples
+    --------
+    >>> wave = np.sin(np.arange(40) / 3)
+    >>> is_clipped(wave), is_clipped(np.clip(wave, -0.7, 1.0))
+    (False, True)
+    """
+    return any(clipped_run(samples, largest=largest) is not None for largest in (True, False))
+
+
 def _from_rest(samples: RealArray, first: Indices, after: Indices, step: float) -> NDArray[np.bool_]:
     """Return which runs at a limit, and the samples next to them, are those of a mass that was held and let go, (run,).
 

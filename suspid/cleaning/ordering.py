@@ -140,10 +140,13 @@ def ordered(
 
 
 def _sent_again(times: RealArray, values: RealArray) -> NDArray[np.bool_]:
-    """Return which rows repeat one of the few rows before the last, stamp and samples, (row,): a packet sent twice."""
-    again = np.zeros(times.size, bool)
+    """Return which rows repeat one of the few rows before, stamp and samples, (row,): a packet sent twice.
+
+    Another stamp lies between the two: in coarse stamps, a mass at rest repeats both.
+    """
+    again, other = np.zeros(times.size, bool), np.diff(times, prepend=np.nan) != 0
     for back in range(2, SENT_AGAIN + 1):
-        same = np.flatnonzero(times[back:] == times[:-back]) + back
+        same = np.flatnonzero((times[back:] == times[:-back]) & other[back:]) + back
         before = values[:, same - back]
         equal = np.all((values[:, same] == before) | (np.isnan(values[:, same]) & np.isnan(before)), axis=0)
         again[same[equal]] = True
@@ -187,11 +190,11 @@ def _between_neighbours(times: RealArray) -> RealArray | None:
     usual = float(np.median(np.diff(times)))
     if not back.size or back.size > FEW * times.size or back[0] < 1 or back[-1] > times.size - 3 or not usual > 0:
         return None
-    gaps = np.stack([times[back + 1 + side] - times[back - 1 + side] for side in (0, 1)])
-    side = np.argmin(np.abs(gaps - 2 * usual), axis=0)
-    if np.any(np.abs(np.min(np.abs(gaps - 2 * usual), axis=0)) > NEAR_TWO * usual):
+    # Of two rows out of order, the one whose neighbours are nearer to two steps apart has the wrong stamp.
+    off = np.abs([times[back + 1 + side] - times[back - 1 + side] - 2 * usual for side in (0, 1)])
+    if np.any(np.min(off, axis=0) > NEAR_TWO * usual):
         return None
-    wrong = back + side
+    wrong = back + np.argmin(off, axis=0)
     repaired = times.copy()
     repaired[wrong] = 0.5 * (times[wrong - 1] + times[wrong + 1])
     return repaired if np.all(np.diff(repaired) > 0) else None

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning import CLIPPED, clipped_run, runs
+from suspid.cleaning import CLIPPED, is_clipped, runs
 from suspid.decays.bursts import Burst
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.trials import Trial, background_ratio
@@ -88,7 +88,7 @@ def clipped_samples(values: RealArray) -> NDArray[np.bool_]:
     """Return which samples are clipped: in a run at an end of the range of their channel, (sample,)."""
     out = np.zeros(values.shape[1], bool)
     for samples in values:
-        if all(clipped_run(samples, largest=largest) is None for largest in (True, False)):
+        if not is_clipped(samples):
             continue
         # A range has two ends: runs at the other one are clipped too, however they are left.
         for limit in (np.max(samples), np.min(samples)):

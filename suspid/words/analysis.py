@@ -81,7 +81,7 @@ class Note(Code):
         "largest used",
         sentence(
             lambda n: (
-                f"no stretch was found to be a free decay; the largest motion is used, from "
+                f"no stretch is a free decay beyond doubt; the largest motion is used, from "
                 f"{moment(float(str(n['start'])))} to {moment(float(str(n['stop'])))} s"
             )
         ),
@@ -195,7 +195,7 @@ class RecordCheck(Code):
     )
     LARGEST_USED = (
         "largest used",
-        "No stretch was found to be a free decay. The largest motion is used, which shows the same modes from several "
+        "No stretch is a free decay beyond doubt. The largest motion is used, which shows the same modes from several "
         "starts on.",
     )
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
