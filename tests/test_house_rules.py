@@ -280,6 +280,14 @@ class TestStart:
         loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
         assert set(loaded) & {"control", "cvxpy", "pywt", "matplotlib", "scipy.signal", "scipy.stats"} == set()
 
+    def test_an_analysis_takes_samples_and_no_response(self) -> None:
+        """A field of a result that is read as a response imports python-control: a second of a first command."""
+        fields = {"found.response", "found.fitted", "found.residual"}
+        for name, node in nodes():
+            if name.startswith(("analysis.", "decays.")) and isinstance(node, ast.Call):
+                taken = [one for one in node.args if ast.unparse(one) in fields]
+                assert not taken, f"{place(name)} line {node.lineno}: take `held(found, …)`"
+
 
 def test_the_top_level_holds_what_belongs_there() -> None:
     try:

@@ -23,6 +23,7 @@ from suspid.decays import (
 from suspid.errors import SuspidError
 from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
 from suspid.levels import likely
+from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
 
@@ -197,7 +198,7 @@ def explained_by_forces(found: Identification) -> bool:
     """Return whether a fit with forces that are not linear leaves too little, first and later, to be driven motion."""
     if not found.forces:
         return False
-    motion, left = as_signal(found.fitted).values, as_signal(found.residual).values
+    motion, left = as_signal(held(found, "fitted")).values, as_signal(held(found, "residual")).values
     motion = motion - motion.mean(axis=1, keepdims=True)
     first = max(FEWEST_EARLY, motion.shape[1] // TRIAL_PARTS)
     return all(np.max(unexplained(motion[:, :end], left[:, :end])) <= DRIVEN for end in (3 * first, motion.shape[1]))

@@ -11,6 +11,7 @@ from suspid.analysis.used import Used
 from suspid.decays import SAME_MODE
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.levels import SURE
+from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.words import Note, Remark
 
@@ -101,7 +102,7 @@ def _share(found: Identification, about: Mapping[str, float]) -> float:
     """Return the share of the energy of a record, by channel, that the modes of a part explain in its best channel."""
     if not len(found.modes):
         return 0.0
-    return max(own / max(about[name], 1e-300) for name, own in _energies(as_signal(found.fitted)).items())
+    return max(own / max(about[name], 1e-300) for name, own in _energies(as_signal(held(found, "fitted"))).items())
 
 
 def _energies(signal: Signal) -> dict[str, float]:

@@ -19,6 +19,7 @@ from suspid.errors import SuspidError
 from suspid.identification import Identification
 from suspid.model import ModalSet
 from suspid.records import of_channels
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import Level, Note, Remark
@@ -97,7 +98,7 @@ def multiples_alone(of_all: ModalSet, of_fewer: ModalSet) -> bool:
 
 def _beside_peak(found: Identification) -> RealArray:
     """Return the share of the energy of each channel that lies outside half an octave about its peak, (channel,)."""
-    values = as_signal(found.response).values
+    values = as_signal(held(found, "response")).values
     window = np.hanning(values.shape[1])
     power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
     # What makes fewer cycles is drift.

@@ -19,6 +19,7 @@ from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
 from suspid.identification import Considered, Identification, swings_many_times
 from suspid.records import late_start, of_channels
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import frozen_real
 from suspid.words import DecayDoubt, Level, ModeCheck, Note, Reason, RecordCheck, Remark
@@ -172,7 +173,7 @@ def _coherent(found: Identification) -> NDArray[np.bool_]:
 
     Two parts of a light decay do not tell its damping; that one swing goes on at one frequency they show.
     """
-    response = as_signal(found.response)
+    response = as_signal(held(found, "response"))
     about = response.values - response.values.mean(axis=1, keepdims=True)
     time = response.step * np.arange(about.shape[1])
     coherent = swings_many_times(found.modes, float(time[-1]))

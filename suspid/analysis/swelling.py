@@ -9,6 +9,7 @@ import numpy as np
 from suspid.decays import block_means
 from suspid.identification import Identification
 from suspid.levels import SURE
+from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import Ratio, RealArray
 
@@ -88,7 +89,7 @@ def beyond_wave(record: control.TimeResponseData, found: Identification) -> Rati
 
 def _scaled(signal: Signal, found: Identification) -> tuple[RealArray, int, complex] | None:
     """Return a record over the noise of a fit to a part, (channel, sample), where the part starts, and its pole."""
-    part = as_signal(found.response)
+    part = as_signal(held(found, "response"))
     if not len(found.modes) or not np.all(found.noise_std > 0) or not set(part.channels) <= set(signal.channels):
         return None
     pole, size = _strongest(found), max(1, round(part.step / signal.step))
@@ -100,7 +101,7 @@ def _scaled(signal: Signal, found: Identification) -> tuple[RealArray, int, comp
 
 def _strongest(found: Identification) -> complex:
     """Return the pole of the mode that explains most of the fitted motion by itself [1/s]."""
-    fitted = as_signal(found.fitted)
+    fitted = as_signal(held(found, "fitted"))
     scaled = (fitted.values - fitted.values.mean(axis=1, keepdims=True)) / found.noise_std[:, None]
     time = fitted.step * np.arange(fitted.values.shape[1])
     energies = []

@@ -241,20 +241,21 @@ def _states(drive: Drive, samples: NDArray[np.intp]) -> tuple[ComplexArray, Comp
 
     states = np.exp(np.outer(drive.theta, samples))
     by_pole = states * samples
-    by_gain, owners = list[ComplexArray](), list(range(len(drive.theta)))
-    for k, j in drive.gain_places:
-        theta, gain, force = drive.theta[k], drive.gains[k, j], drive.forces[j, :-1]
+    if not len(drive.forces):
+        return states, by_pole, np.arange(len(drive.theta))
+    force = drive.forces[:, :-1].astype(complex)
+    answers = np.zeros((len(drive.theta), *drive.forces.shape), complex)
+    for k, (theta, gains) in enumerate(zip(drive.theta, drive.gains, strict=True)):
         turn = np.exp(theta)
         held = np.expm1(theta) / theta
         # A force that is constant between samples: z_{i+1} = e^theta z_i + (e^theta - 1) / theta g_i.
-        answer = np.concatenate([[0.0], lfilter([held], [1, -turn], force.astype(complex))])
-        drift = turn * answer[:-1] + (turn - held) / theta * force
-        by_pole[k] += gain * np.concatenate([[0.0], lfilter([1.0], [1, -turn], drift)])
-        states[k] += gain * answer
-        by_gain.append(answer)
-        owners.append(k)
-    slopes = np.vstack([by_pole, *by_gain]) if by_gain else by_pole
-    return states, slopes, np.array(owners, int)
+        answers[k, :, 1:] = lfilter([held], [1, -turn], force)
+        drift = gains @ (turn * answers[k, :, :-1] + (turn - held) / theta * force)
+        by_pole[k, 1:] += lfilter([1.0], [1, -turn], drift)
+        states[k] += gains @ answers[k]
+    slopes = np.concatenate([by_pole, answers.reshape(-1, len(samples))])
+    owners = np.concatenate([np.arange(len(drive.theta)), np.repeat(np.arange(len(drive.theta)), len(drive.forces))])
+    return states, slopes, owners
 
 
 def maximize(values: RealArray, start: Drive, noise: WhiteNoise, *, steps: int) -> DrivenFit | None:
