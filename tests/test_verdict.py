@@ -264,6 +264,29 @@ class TestPoles:
         assert [check.level for check in checks] == [Level.DOUBTFUL] * said_so
 
     @pytest.mark.parametrize(
+        ("rates", "apart", "channels", "said_so"),
+        [
+            ((2.0, 0.4), 0.5, 1, True),
+            ((1.0, 0.4), 0.5, 1, False),
+            ((2.0, 0.4), 6.0, 1, False),
+            ((2.0, 0.4), 0.5, 2, False),
+        ],
+    )
+    def test_a_broad_mode_over_a_narrow_one_in_one_channel_may_be_one(
+        self, rates: tuple[float, float], apart: float, channels: int, *, said_so: bool
+    ) -> None:
+        """White noise beside them or not; two channels have shapes that tell."""
+        poles = np.array([-rates[0] + 40.0j, -rates[1] + 1j * (40.0 + apart)])
+        names = tuple(f"y{k}" for k in range(channels))
+        modes = ModalSet(poles=poles, shapes=np.eye(2, dtype=complex)[:channels] + 0.1, channels=names)
+        time = np.asarray(STEP * np.arange(1000), float)
+        record = as_response(time, np.real(modes.shapes @ np.exp(np.outer(poles, time))), names)
+        found = replace(identify(record), modes=modes, loudness=np.ones(2), forces=(), considered=())
+        one = replace(found, noise_std=np.ones(channels))
+        checks = said(verdict_of(one), ModeCheck.BROAD_AND_NARROW)
+        assert [check.level for check in checks] == [Level.DOUBTFUL] * said_so
+
+    @pytest.mark.parametrize(
         ("modes", "channels", "apart", "said_so"),
         [(4, 1, 1.5, True), (3, 1, 1.5, False), (4, 2, 1.5, False), (4, 1, 5.0, False)],
     )

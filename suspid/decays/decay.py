@@ -87,7 +87,7 @@ class Decay(Result):
         return _columns([self])
 
     def __str__(self) -> str:
-        what = f"{self.cycles:.1f} cycles, {self.level:.0f} dB above the background"
+        what = f"{self.cycles:.1f} cycles above the noise, peak {self.level:.0f} dB above the background"
         return "; ".join([f"{moment(self.start)} … {moment(self.stop)} s: {what}", *map(str, self.doubts)])
 
 

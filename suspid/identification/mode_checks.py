@@ -32,6 +32,10 @@ CYCLES_SEEN = 3.0
 # shape, and two more are told by frequency: a longer row is what a fit makes of a band of noise. A smaller first number
 # misses rows of which each second line is left out; a larger one takes the modes of a damped car for a row.
 SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
+# In one channel, two modes within a line of which one fades this many times as fast as the other are what a mode looks
+# like whose damping falls with its amplitude. Modes of one structure that near in frequency have like damping; drag that
+# falls by half over the record gives ratios from 4 on.
+BROAD_BESIDE_NARROW = 3.0
 # A mode that makes this many cycles before it has fallen to 1/e is plain to see. A pulse of force makes fewer, and
 # noise in a band keeps its phase for fewer.
 MANY_CYCLES = 10.0
@@ -89,16 +93,24 @@ def check_resolution(found: Identification) -> Iterator[Check]:
 
 
 def check_parts(found: Identification) -> Iterator[Check]:
-    """Check that no two modes lie as near each other as the parts of one that bends, where the fit leaves them loud."""
+    """Check that no two modes lie as near each other as the parts of one that bends.
+
+    That counts where the fit leaves them loud, or where a single channel shows a broad line and a narrow one.
+    """
     poles, loud = found.modes.poles, (found.loudness > LOUD) & (found.modes.poles.imag > 0)
     if found.forces:
         return
     # A part that is gone at once is as broad as its line: the wider of the two counts.
     widths = np.maximum(np.abs(poles.real)[:, None], np.abs(poles.real))
-    near = (np.abs(poles[:, None] - poles) < BENT * widths) & loud[:, None] & loud & ~np.eye(len(poles), dtype=bool)
-    parts = numbers_of(np.asarray(np.sum(near, axis=1) > 0))
+    near = (np.abs(poles[:, None] - poles) < BENT * widths) & ~np.eye(len(poles), dtype=bool)
+    parts = numbers_of(np.any(near & loud[:, None] & loud, axis=1))
     if parts:
         yield check_of(ModeCheck.PARTS, Level.DOUBTFUL, {"modes": parts})
+    pairs = (poles.imag > 0) & (poles[:, None].imag > 0)
+    broad = widths > BROAD_BESIDE_NARROW * np.minimum(np.abs(poles.real)[:, None], np.abs(poles.real))
+    parts = numbers_of(np.any(near & pairs & broad, axis=1)) if len(found.noise_std) == 1 and not parts else ()
+    if parts:
+        yield check_of(ModeCheck.BROAD_AND_NARROW, Level.DOUBTFUL, {"modes": parts})
 
 
 def check_rows(found: Identification) -> Iterator[Check]:

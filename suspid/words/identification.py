@@ -149,6 +149,15 @@ class ModeCheck(Code):
             )
         ),
     )
+    BROAD_AND_NARROW = (
+        "broad and narrow",
+        sentence(
+            lambda n: (
+                f"{_modes(n['modes']).capitalize()} lie within the width of one line, and one fades much faster: in one "
+                f"channel, a single mode whose damping falls with its amplitude looks the same."
+            )
+        ),
+    )
     IN_A_ROW = (
         "in a row",
         sentence(

@@ -32,8 +32,8 @@ class NextStep(Code):
     USE = "use", "No check speaks against these values: use them with their intervals."
     RECORD_A_DECAY = (
         "record a decay",
-        "Record a free decay: displace the body and release it, or let the wheels drop off a kerb with the engine off, "
-        "and record until the motion has died away. `suspid drive` takes everyday driving.",
+        "Record a free decay: displace what swings and release it (a car: push the body down, or let the wheels drop off "
+        "a kerb, with the engine off), and record until the motion has died away. `suspid drive` takes everyday driving.",
     )
     RECORD_LONGER = "record longer", "Record until the motion has died away in the noise."
     WHICH_PART = (
@@ -167,6 +167,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.REPEATS_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.UNRESOLVED: NextStep.TWO_AMPLITUDES,
     ModeCheck.PARTS: NextStep.TWO_AMPLITUDES,
+    ModeCheck.BROAD_AND_NARROW: NextStep.TWO_AMPLITUDES,
     ModeCheck.IN_A_ROW: NextStep.QUIET,
     ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
     ModeCheck.SHARED_NOISE: NextStep.CHANNELS,
