@@ -7,7 +7,9 @@ import pytest
 
 from suspid import Identification, analyse, identify
 from suspid.analysis.longer import shared_modes
+from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear import motion, search, structure
+from suspid.identification.nonlinear.feedback import Record
 from suspid.records import as_response
 from validation import rigs
 
@@ -87,3 +89,18 @@ class TestSharedModes:
 
     def test_a_lone_decay_shares_none(self) -> None:
         assert shared_modes([self.of(2.0), None]) == [0.0, 0.0]
+
+
+def test_no_mode_is_followed_on_from_a_drift_in_the_first_samples() -> None:
+    """A jolt that is gone in two samples is fitted by a pole that never turns: there are no cycles to follow."""
+    turn = 0.6
+    jolt = 10 * np.exp(-1.2 * np.arange(160))[None]
+    values = jolt + 0.5 + 0.1 * np.random.default_rng(1).standard_normal(jolt.shape)
+    record = Record(
+        values=values,
+        noise=noise_of(values),
+        theta=np.array([-0.01 + 1j * turn]),
+        amplitudes=np.ones((1, 1), complex),
+        nuisances=np.zeros(1),
+    )
+    assert search._shifting(record, turn, 1000) is None

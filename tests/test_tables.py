@@ -56,6 +56,12 @@ DIALECTS: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "a word that may be a unit": (PLAIN.replace("seat", "seat_m"), "", ()),
     "row of units": (PLAIN.replace("seat\n", "seat\ns,m/s²\n"), "m/s²", ()),
     "row of units in brackets": (PLAIN.replace("seat\n", "seat\n[s],[mm]\n"), "mm", ()),
+    "row of units, two of them no units": (
+        "t,seat,State at A,State at B\ns,mm,State,State\n\n0,1.5,a,b\n0.5,-2.25,b,b\n1,0.125,b,a\n1.5,4,a,a\n",
+        "mm",
+        ("State at A", "State at B"),
+    ),
+    "commas behind names": ("# t, \t seat,\n0\t1.5\n0.5\t-2.25\n1\t0.125\n1.5\t4\n", "", ()),
     "banner": (f"Logger 3000\nSerial: 12345\nOperator, A. N. Other\n\n{PLAIN}", "", ("line 1", "line 2", "line 3")),
     "comments": ("# made by hand\n" + PLAIN.replace("1,0.125", "% bump\n1,0.125"), "", ("line 1", "line 5")),
     "header as a comment": ("# " + PLAIN, "", ()),

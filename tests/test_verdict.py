@@ -278,7 +278,7 @@ class TestPoles:
         """White noise beside them or not; two channels have shapes that tell."""
         poles = np.array([-rates[0] + 40.0j, -rates[1] + 1j * (40.0 + apart)])
         names = tuple(f"y{k}" for k in range(channels))
-        modes = ModalSet(poles=poles, shapes=np.eye(2, dtype=complex)[:channels] + 0.1, channels=names)
+        modes = ModalSet(poles=poles, shapes=np.asarray(np.eye(2)[:channels] + 0.1, complex), channels=names)
         time = np.asarray(STEP * np.arange(1000), float)
         record = as_response(time, np.real(modes.shapes @ np.exp(np.outer(poles, time))), names)
         found = replace(identify(record), modes=modes, loudness=np.ones(2), forces=(), considered=())

@@ -116,6 +116,12 @@ class TestDamage:
         with pytest.raises(RecordError, match=f"states {len(whole) + 2} bytes, there are {len(whole)}"):
             read_wav(put(tmp_path, b"RIFF" + struct.pack("<I", len(whole) - 6) + whole[8:]))
 
+    def test_a_byte_of_padding_that_was_counted_and_not_written(self, tmp_path: Path) -> None:
+        """As drum machines' samples have it: the samples are complete."""
+        content = bytearray(wav(np.arange(-4, 4, dtype=np.int16)))
+        content[4:8] = (len(content) - 8 + 1).to_bytes(4, "little")
+        assert read_wav(put(tmp_path, bytes(content))).sizes == {"channel 1": 8}
+
     def test_no_sample(self, tmp_path: Path) -> None:
         with pytest.raises(RecordError, match="contains no sample"):
             read_wav(put(tmp_path, wav(np.zeros(0, np.int16))))

@@ -33,8 +33,8 @@ CYCLES_SEEN = 3.0
 # misses rows of which each second line is left out; a larger one takes the modes of a damped car for a row.
 SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
 # In one channel, two modes within a line of which one fades this many times as fast as the other are what a mode looks
-# like whose damping falls with its amplitude. Modes of one structure that near in frequency have like damping; drag that
-# falls by half over the record gives ratios from 4 on.
+# like whose damping falls with its amplitude (8 times in a pendulum's record). A smaller number doubts pairs of close
+# modes that are linear; those of one structure have like damping.
 BROAD_BESIDE_NARROW = 3.0
 # A mode that makes this many cycles before it has fallen to 1/e is plain to see. A pulse of force makes fewer, and
 # noise in a band keeps its phase for fewer.

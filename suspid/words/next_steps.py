@@ -32,8 +32,9 @@ class NextStep(Code):
     USE = "use", "No check speaks against these values: use them with their intervals."
     RECORD_A_DECAY = (
         "record a decay",
-        "Record a free decay: displace what swings and release it (a car: push the body down, or let the wheels drop off "
-        "a kerb, with the engine off), and record until the motion has died away. `suspid drive` takes everyday driving.",
+        "Record a free decay: displace what swings and release it (a car: push the body down, or let the wheels drop "
+        "off a kerb, with the engine off), and record until the motion has died away. `suspid drive` takes everyday "
+        "driving.",
     )
     RECORD_LONGER = "record longer", "Record until the motion has died away in the noise."
     WHICH_PART = (

@@ -161,8 +161,8 @@ def _shifting(record: Record, turn: float, most: int) -> Bent | None:
     while count <= most and (count := count // 2) > least:
         short = used.begun(count)
         plain, _ = _linear_modes(short, 1)
-        # Steps of a fit may go beyond the Nyquist frequency, where no motion is seen.
-        seen = plain is not None and plain.drive.theta[0].imag < np.pi
+        # Steps of a fit may go beyond the Nyquist frequency, or to a drift, where no cycles are seen.
+        seen = plain is not None and 2 * np.pi * FEWEST_CYCLES / count < plain.drive.theta[0].imag < np.pi
         if plain is not None and seen and _explained(plain) > EACH_EXPLAINED:
             found = lengthened(used, plain)
             found = found if factor == 1 or found is None else at_full_rate(record, found, factor, turn)

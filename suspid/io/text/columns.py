@@ -58,7 +58,8 @@ class Columns:
         text = line.lstrip() if blanks else line
         mark = next((mark for mark in COMMENTS if text.startswith(mark)), "")
         text = line.replace(mark, " " * len(mark), 1) if blanks else text.removeprefix(mark)
-        cells = self.dialect.cells(text)
+        # A program that separates rows by tabs may leave commas behind the names.
+        cells = [cell.rstrip(",; ") for cell in self.dialect.cells(text)]
         if blanks and len(cells) != width:
             wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
             cells = wide if len(wide) == width else _aligned(text, self.row) or cells
@@ -88,11 +89,14 @@ class Columns:
         return bracketed or (any(cells) and all(not cell or UNIT.fullmatch(plain(cell)) for cell in cells))
 
     def are_units_mostly(self, line: str) -> bool:
-        """Whether a line below names holds units in most cells, and in the others a word as short as a unit."""
+        """Whether a line below names holds units in most cells, and in the others a word as short as a unit.
+
+        Names differ: where cells are the same, half of them are enough.
+        """
         cells = [cell for cell in self.units(line) if cell]
         known = [bool(UNIT.fullmatch(plain(cell))) for cell in cells]
         short = all(len(cell) <= LONGEST_UNIT and " " not in cell for cell in cells)
-        return 2 * sum(known) > len(known) and short
+        return 2 * sum(known) + (len(set(cells)) < len(cells)) > len(known) and short
 
 
 def _marked(line: str, width: int) -> list[str]:
