@@ -132,13 +132,20 @@ def _kept(holes: NDArray[np.bool_]) -> slice:
 
 def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | None:
     """Return why channels have too many gaps to be one record, or None if they have not."""
-    for name, filled in channels.items():
-        share = sum(finding.samples for finding in filled.findings) / filled.values.size
-        if share > MOST_FILLED:
-            return RecordError(
-                f"channel {name!r} has gaps in {100 * share:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are "
-                f"filled; leave it out or take a better stretch ({Argument('start')}, {Argument('stop')})"
-            )
+    shares = {
+        name: sum(finding.samples for finding in filled.findings) / filled.values.size
+        for name, filled in channels.items()
+    }
+    full_of_gaps = [name for name, share in shares.items() if share > MOST_FILLED]
+    if full_of_gaps:
+        rows = len(full_of_gaps) == len(shares)
+        first = full_of_gaps[0]
+        what = "every channel has" if rows and len(shares) > 1 else f"channel {first!r} has"
+        mend = "" if rows else "leave it out or "
+        return RecordError(
+            f"{what} gaps in {100 * shares[first]:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are filled; "
+            f"{mend}take a better stretch ({Argument('start')}, {Argument('stop')})"
+        )
     missing = {name: np.isnan(filled.values) for name, filled in channels.items()}
     holes = np.any(list(missing.values()), axis=0)
     if np.all(holes):
