@@ -184,7 +184,7 @@ def is_abscissa(name: str, *, rate_known: bool = False) -> bool:
     """
     words = _words(name)
     called_x = "x" in words and words <= ABSCISSA and not rate_known
-    return called_x or re.fullmatch(r"column [12]|arr_0|.*\[[12]\]", name) is not None
+    return called_x or re.fullmatch(r"column \d+|arr_0|.*\[[12]\]", name) is not None
 
 
 def _words(name: str) -> set[str]:

@@ -38,6 +38,8 @@ EVEN_TIME = 1e-3
 # Whole numbers are those of a clock that jitters if their usual step is this many at least, over this many rows: rows
 # that were picked, and stations of a speed, are fewer apart, or fewer.
 LEAST_TICKS, MANY_STAMPS = 4, 50
+# A column that turns as often as this swings: one that is driven once to and fro turns less often.
+SWINGS = 10
 # Names of columns that have none.
 UNNAMED_COLUMN = re.compile(r"column \d+")
 
@@ -173,10 +175,16 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
 def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
     """Return the one column of columns without names that counts milliseconds: small loggers write the time last.
 
-    Other numbers that rise evenly may be a displacement that is driven.
+    Other numbers that rise evenly may be a displacement that is driven. The first of two that rises unevenly is one if
+    the other swings.
     """
     if not all(UNNAMED_COLUMN.fullmatch(name) for name in table.sizes) or len(free) < 2:
         return []
+    if len(table.sizes) == 2 == len(free):
+        first, second = table.columns(list(free))
+        rising = first.size >= MANY_STAMPS and bool(np.all(np.diff(first) > 0) and np.any(first != np.round(first)))
+        if rising and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
+            return [free[0]]
     running = [name for name, numbers in zip(free, table.columns(list(free)), strict=True) if _ticks(numbers)]
     return running if len(running) == 1 else []
 

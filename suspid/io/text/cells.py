@@ -31,7 +31,9 @@ DATE = (
     rf"|\d\d?[- ](?i:{'|'.join(MONTHS)})[- ]\d{{4}})"
 )
 ZONE = r"(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
-STAMP, DATE_ALONE = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME_OF_DAY}\s*{ZONE}", re.A), re.compile(DATE, re.A)
+# MATLAB writes stamps between apostrophes.
+STAMP = re.compile(rf"'?(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME_OF_DAY}\s*{ZONE}'?", re.A)
+DATE_ALONE = re.compile(DATE, re.A)
 NANO = 10**9
 DAY = 86400 * NANO
 # In place of the number of a date.

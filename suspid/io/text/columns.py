@@ -24,6 +24,8 @@ UNIT = re.compile(
 
 # Letters of the longest unit that is taken for one beside others that are known.
 LONGEST_UNIT = 8
+# What stands before names in a header that says what it holds.
+LABELLED = re.compile(r"^\s*\w+\s*:=\s*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +60,7 @@ class Columns:
         text = line.lstrip() if blanks else line
         mark = next((mark for mark in COMMENTS if text.startswith(mark)), "")
         text = line.replace(mark, " " * len(mark), 1) if blanks else text.removeprefix(mark)
+        text = LABELLED.sub("", text)
         # A program that separates rows by tabs may leave commas behind the names.
         cells = [cell.rstrip(",; ") for cell in self.dialect.cells(text)]
         if blanks and len(cells) != width:

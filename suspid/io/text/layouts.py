@@ -19,8 +19,10 @@ from suspid.words import LeftOut, Remark
 
 # A line drawn below a header.
 RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
+# A column is blank in more rows than this where it holds settings beside the first ones.
+MOSTLY = 0.9
 KEY_VALUE = re.compile(
-    r"\W*([^\W\d][^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
+    r"\W*([^\W\d][^:=;,\t]*?)\s*(?::=|[:=;,\t])\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
 )
 
 
@@ -102,6 +104,9 @@ def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
     counts = Counter[Kind]()
     for kind, times in zip(kinds, often, strict=True):
         counts[kind] += times
+    # Oscilloscopes write their settings beside the first rows, a word or a number each.
+    if counts["text"] and counts["missing"] > MOSTLY * sum(counts.values()):
+        return "text"
     del counts["missing"]
     # One odd cell beside one number is an error to report, not a column of text.
     return max(counts, key=lambda kind: (counts[kind], kind in ("number", "stamp")), default="missing")
