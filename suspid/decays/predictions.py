@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from suspid.cleaning import runs
 from suspid.decays.envelopes import finest as finest_of
 from suspid.decays.envelopes import spectrum_and_noise
 from suspid.decays.trials import BLOCKS_A_CYCLE, block_size
@@ -27,6 +28,8 @@ MOST_COEFFICIENTS, BLOCKS_EACH = 16, 5
 # An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
 # a weak force pass.
 FORCED_ERROR = 3.0
+# Fewest samples of a rest.
+FEWEST_RESTING = 8
 # A force smaller than this share of the motion is left to the fit, which sees it better.
 SMALL_FORCE = 0.003
 
@@ -59,8 +62,7 @@ def at_rest_until(values: RealArray, finest: RealArray) -> int:
     """
     # A value at the border of a step changes between two neighbours.
     within = 1.5 * np.sqrt(12.0) * finest
-    swing = np.maximum.accumulate(values, axis=1) - np.minimum.accumulate(values, axis=1)
-    moving = np.flatnonzero(np.any(swing > within[:, None], axis=0))
+    moving = np.flatnonzero(np.any(_reaches(values) > within[:, None], axis=0))
     return int(moving[0]) - 1 if moving.size else values.shape[1] - 1
 
 
@@ -80,16 +82,25 @@ def released_at(values: RealArray, finest: RealArray) -> int:
     """
     within = 1.5 * np.sqrt(12.0) * finest
     still = np.all(np.abs(np.diff(values, axis=1)) <= within[:, None], axis=0)
-    for end in np.flatnonzero(still[:-1] & ~still[1:])[::-1].tolist():
-        ahead, behind = values[:, end + 1 :], values[:, : end + 2]
-        rest = behind.shape[1] - at_rest_from(behind, finest)
-        sizes = np.ptp(ahead, axis=1)
-        moved = np.any(np.abs(ahead - ahead[:, :1]) > 0.5 * np.where(sizes > within, sizes, np.inf)[:, None], axis=0)
-        grown = np.any(sizes > np.maximum(np.ptp(behind, axis=1), within))
-        # Fewest samples of a rest.
-        if grown and rest > max(8, int(np.argmax(moved))):
-            return int(end) + at_rest_until(ahead, finest) + 1
+    begins, ends = runs(still)
+    inner = (ends - begins > FEWEST_RESTING) & (ends < still.size)
+    ends = ends[inner] - 1
+    # The motion before each end and after it.
+    behind, ahead = _reaches(values)[:, ends + 1], _reaches(values[:, ::-1])[:, ::-1][:, ends + 1]
+    grown = np.any(ahead > np.maximum(behind, within[:, None]), axis=0)
+    for end in ends[grown][::-1].tolist():
+        after, before = values[:, end + 1 :], values[:, : end + 2]
+        rest = before.shape[1] - at_rest_from(before, finest)
+        sizes = np.ptp(after, axis=1)
+        moved = np.any(np.abs(after - after[:, :1]) > 0.5 * np.where(sizes > within, sizes, np.inf)[:, None], axis=0)
+        if rest > max(FEWEST_RESTING, int(np.argmax(moved))):
+            return int(end) + at_rest_until(after, finest) + 1
     return 0
+
+
+def _reaches(values: RealArray) -> RealArray:
+    """Return how far the samples up to each one reach, from the lowest to the highest, (channel, sample)."""
+    return np.asarray(np.maximum.accumulate(values, axis=1) - np.minimum.accumulate(values, axis=1))
 
 
 def releases_before(signal: Signal, time: Second) -> tuple[Second, ...]:
