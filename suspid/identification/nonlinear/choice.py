@@ -51,6 +51,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
     strong = strongest(record, plain)
     for start in starts_of(record, strong, bent):
+        if steps_of(start.drive.theta, record.values.shape[1], ForceKind.CUBIC) > LONGEST_FITTED:
+            continue
         for order, kind in _kinds(record, start, bent, highest):
             longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
@@ -69,6 +71,19 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         return None
     best = _with_modes(fitted(best), most)
     return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+
+
+def out_of_reach(record: Record) -> bool:
+    """Return whether the motion of the strongest pole of the linear fit takes more steps than structures are fitted to.
+
+    Every structure contains it.
+    """
+    turning = np.flatnonzero((record.theta.imag > 0) & (record.theta.real < 0))
+    if not turning.size:
+        return False
+    energy = np.sum(np.abs(record.amplitudes[turning]) ** 2, axis=1) / -record.theta.real[turning]
+    strong = record.theta[turning[[int(np.argmax(energy))]]]
+    return steps_of(strong, record.values.shape[1], ForceKind.CUBIC) > LONGEST_FITTED
 
 
 def _beside_another(record: Record, strong: DrivenFit, best: StructureFit, *, highest: float) -> StructureFit:

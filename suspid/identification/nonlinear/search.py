@@ -11,7 +11,7 @@ from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.harmonics import WEAK
 from suspid.identification.likelihood import DecayFit
 from suspid.identification.noise import WhiteNoise
-from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen
+from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen, out_of_reach
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
     LEAST_FALL,
@@ -104,6 +104,8 @@ def _structure(
     if not 1 < len(values) <= MOST_MASSES:
         return None
     record = _record(values, noise, linear)
+    if out_of_reach(record):
+        return None
     plain, _ = _linear_modes(record, modes)
     if plain is None or np.min(1 - plain.squares / np.sum(values**2, axis=1)) < EACH_EXPLAINED:
         return None
