@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 # Samples in each cycle of the fastest mode that are left. A motion that is not quite a decay leaves the same at each of
 # many samples, as if each told of one more mode; fewer lose the forces.
 LEFT_PER_CYCLE = (28.0, 20.0, 14.0)
+# Samples in each cycle of a mode found in means, at least: where a slower one was expected, its harmonics are gone, and
+# what forces do to it is another motion.
+FEWEST_PER_CYCLE = 8.0
 # Other decays that are tried where the one that is used does not agree with itself: each takes the time of three
 # identifications of few samples.
 OTHERS_IN_MEANS = 2
@@ -99,7 +102,12 @@ def _agreed(part: Used, settings: Settings) -> Used | None:
             continue
         means = means_of(part.record, size)
         found = tried(means, settings)
-        if found is None or _never_swings(found) or level_of(found, part.used, part.decays) <= Level.DOUBTFUL:
+        if (
+            found is None
+            or _never_swings(found)
+            or _too_fast(found, means)
+            or level_of(found, part.used, part.decays) <= Level.DOUBTFUL
+        ):
             continue
         same = next((one for one, other in before if _same(other, found)), None)
         if same is not None:
@@ -129,6 +137,11 @@ def _fastest(part: Used) -> RadianPerSecond:
 def _never_swings(found: Identification) -> bool:
     """Return whether a mode is damped before it swings: beside others it may be what forces left, not a mode."""
     return bool(np.any(found.modes.zeta > NO_CYCLE))
+
+
+def _too_fast(found: Identification, means: control.TimeResponseData) -> bool:
+    """Return whether a mode that was found in means turns too fast for them."""
+    return bool(np.max(found.modes.wn, initial=0.0) * as_signal(means).step * FEWEST_PER_CYCLE > 2 * np.pi)
 
 
 def _same(one: Identification, other: Identification) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from suspid.identification.covariance import inverse_information
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
+from suspid.identification.nonlinear.local import local_changes
 from suspid.identification.nonlinear.swings import by_pole, cuts_of, mean_of, swings_of
 from suspid.levels import NORMAL_95
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
@@ -192,7 +193,14 @@ def dependence(
         by_parameter = by_pole(np.asarray(theta)) @ slopes
         poles[i], stds[i] = theta, np.sqrt(np.diag(by_parameter @ covariance @ by_parameter.T))
     spans = [span for _, _, span in parts]
+    stds = np.hypot(stds, moved_by(poles, local_changes(fit.states[pole], fit.amplitudes[pole], fit.residual, spans)))
     return over_windows(spans, channels[strongest], amplitude, poles, stds, holds=holds, timepts=timepts)
+
+
+def moved_by(poles: ComplexArray, changes: ComplexArray) -> RealArray:
+    """Return how far changes of exponents move natural frequencies and damping ratios, (pole, 2)."""
+    parts = np.stack([changes.real, changes.imag], axis=1)
+    return np.abs(np.einsum("vpi,pi->pv", by_pole(poles), parts))
 
 
 def over_windows(

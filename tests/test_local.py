@@ -1,0 +1,47 @@
+"""Where a decay contradicts the law of its forces, the bands over the amplitude contain what it shows."""
+
+import numpy as np
+import pytest
+
+from suspid import as_record, identify
+from suspid.analysis import means
+from suspid.levels import NORMAL_95
+from suspid.records import as_response
+from suspid.units import RealArray
+
+STEP = 0.02
+
+
+def decay(seed: int) -> tuple[RealArray, RealArray, RealArray]:
+    """Return samples, amplitude and phase of a mode at 1 Hz that is damped more above .6 and below .1: no law here."""
+    wn, amplitude, phase, sizes, phases = 2 * np.pi, 1.0, 0.0, list[float](), list[float]()
+    for _ in range(2000):
+        sizes.append(amplitude)
+        phases.append(phase)
+        for _ in range(4):
+            zeta = 0.004 + 0.05 * max(amplitude - 0.6, 0.0) + 0.01 * (amplitude < 0.1)
+            turn = wn * (1 - 0.03 * amplitude**2) * STEP / 4
+            amplitude *= np.exp(-zeta * turn)
+            phase += turn
+    noise = 0.004 * np.random.default_rng(seed).standard_normal(2000)
+    return np.array(sizes) * np.cos(phases) + noise, np.array(sizes), np.array(phases)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_bands_contain_a_damping_that_follows_no_law_of_the_library(seed: int) -> None:
+    """Without the residual's word, ten of twelve rows lie outside, up to 4 times the band away."""
+    values, sizes, phases = decay(seed)
+    (found,) = identify(as_record(values, timepts=STEP * np.arange(2000))).amplitude_dependence
+    first, last = (np.round(np.array(found.spans) / STEP).astype(int)).T
+    true = np.log(sizes[first] / sizes[last]) / (phases[last] - phases[first])
+    away = np.abs(found.zeta - true) / (NORMAL_95 * found.zeta_std)
+    assert np.max(away) < 1.2
+    assert np.median(found.zeta_std / true) < 0.2
+
+
+def test_a_mode_that_turns_too_fast_for_means_is_none_of_theirs() -> None:
+    """Four samples a cycle show no harmonics: what forces do is another motion there."""
+    time = np.arange(400.0)
+    for turn, too_fast in ((1.5, True), (0.4, False)):
+        record = as_response(time, np.exp(-0.01 * time) * np.cos(turn * time), ["body"])
+        assert means._too_fast(identify(record), record) is too_fast
