@@ -11,10 +11,10 @@ from suspid.units import ComplexArray, RealArray
 # Fewest samples of a window: three for each unknown of a channel (an amplitude, a phase, an offset, and the change).
 FEWEST_IN_WINDOW = 15
 # Numbers of windows that are looked at together: what is slight in each shows in several.
-TOGETHER = (1, 2, 4)
+WINDOWS_TOGETHER = (1, 2, 4)
 # What a change takes from the sum of squares of the residual over its variance, at least: chance reaches it in 1 of
 # 1000 windows.
-SIGNIFICANT = 13.8
+SIGNIFICANT_CHANGE = 13.8
 
 
 def local_changes(
@@ -23,7 +23,7 @@ def local_changes(
     """Return the changes of the exponent per sample of a mode that a residual shows in each window, (window,).
 
     Within a window the motion is that of the fit times ``1 + e + d (t - middle)``, with an ``e`` for each channel and
-    one ``d`` for all. It is 0 where the residual shows no change that is significant, in a window or in several together.
+    one ``d`` for all. It is 0 where neither a window nor several together show a change that is significant.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def local_changes(
     [0.0, 0.0011]
     """
     changes = np.zeros(len(spans), complex)
-    for together in TOGETHER:
+    for together in WINDOWS_TOGETHER:
         for k in range(0, len(spans), together):
             group = slice(k, k + together)
             change = _change(state, amplitudes, residual, spans[group])
@@ -77,4 +77,4 @@ def _change(
     pulled = np.einsum("cis,cs,c->i", columns, left, 1 / size)
     step = np.linalg.lstsq(normal, pulled, rcond=1e-12)[0]
     rest = np.mean((left - np.einsum("i,cis->cs", step, columns)) ** 2 / size[:, None])
-    return complex(*step) if float(step @ pulled) > SIGNIFICANT * float(rest) else 0.0
+    return complex(*step) if float(step @ pulled) > SIGNIFICANT_CHANGE * float(rest) else 0.0
