@@ -119,6 +119,15 @@ class TestSupport:
 
 
 class TestLightDecays:
+    @pytest.mark.parametrize(("beside", "coherent"), [(0.0, True), (0.1, False)])
+    def test_three_swings_are_where_they_are_all_of_the_motion(self, beside: float, *, coherent: bool) -> None:
+        """As of a wheel on a torsion bar, of which 5 s were recorded."""
+        time = np.arange(2300) / 500
+        values = np.exp(-0.017 * time) * np.cos(4.4 * time) + beside * np.cos(2.0 * time + 0.3 * time**2)
+        noise = 0.005 * np.random.default_rng(3).standard_normal(time.size)
+        found = identify(as_response(time, (values + noise)[None], ["wheel"]), modes=1)
+        assert _coherent(found).tolist() == [coherent]
+
     @pytest.mark.parametrize(("zeta", "coherent"), [(0.0, True), (0.01, True), (0.03, False), (0.5, False)])
     def test_one_swing_over_many_cycles_is_plain_to_see(self, zeta: float, coherent: bool) -> None:
         time = np.arange(4000) / 200

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 # A mode that swings many times, and explains this share of the energy of a channel by itself, is plain to see: a burst
 # of a voice has other tones beside.
 NEARLY_ALL = 0.95
+# One that swings this often, and would many times before it has faded, must explain this share: slow noise that a pole
+# follows for a few cycles leaves more.
+FEW_SWINGS, ALL_BUT_NOISE = 3.0, 0.999
 
 
 def supported(
@@ -169,19 +172,21 @@ def _alone(found: Identification) -> bool:
 
 
 def _coherent(found: Identification) -> NDArray[np.bool_]:
-    """Return which modes by themselves are nearly all of the motion of a channel over many cycles, (mode,).
+    """Return which modes by themselves are nearly all of the motion of a channel over many cycles, or all, (mode,).
 
     Two parts of a light decay do not tell its damping; that one swing goes on at one frequency they show.
     """
     response = as_signal(held(found, "response"))
     about = response.values - response.values.mean(axis=1, keepdims=True)
     time = response.step * np.arange(about.shape[1])
-    coherent = swings_many_times(found.modes, float(time[-1]))
+    many = swings_many_times(found.modes, float(time[-1]))
+    few = found.modes.poles.imag * time[-1] > 2 * np.pi * FEW_SWINGS
+    coherent = many | (few & swings_many_times(found.modes, np.inf))
     for mode in np.flatnonzero(coherent):
         course = np.exp(found.modes.poles[mode] * time)
         basis, _ = np.linalg.qr(np.stack([course.real, course.imag, np.ones(len(time))], axis=1))
         shares = np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300)
-        coherent[mode] = np.max(shares) > NEARLY_ALL
+        coherent[mode] = np.max(shares) > (NEARLY_ALL if many[mode] else ALL_BUT_NOISE)
     return np.asarray(coherent)
 
 

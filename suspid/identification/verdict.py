@@ -97,7 +97,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
         weight = Level.NOTE if not alone else Level.DOUBTFUL if loose or pulse else Level.CARE
         yield check_of(ModeCheck.NOT_CROSS_CHECKED, weight, {"modes": blind})
         if pulse:
-            yield check_of(ModeCheck.ONE_SHAPE, Level.DOUBTFUL)
+            yield check_of(ModeCheck.ONE_SHAPE, Level.DOUBTFUL, {"channels": len(found.noise_std)})
     if np.max(found.explained) >= LEAST_EXPLAINED:
         yield from _unexplained(found)
     yield from check_phases(found)

@@ -179,7 +179,12 @@ class ModeCheck(Code):
     )
     ONE_SHAPE = (
         "one shape",
-        "All channels move alike, and only at the start: a force pulse without resonance looks the same.",
+        sentence(
+            lambda n: (
+                f"{'The channel moves' if n['channels'] == 1 else 'All channels move alike, and'} only at the start: a "
+                f"force pulse without resonance looks the same."
+            )
+        ),
     )
     FEW_SAMPLES = "few samples", "Too few samples ({samples}) for {unknowns} amplitudes in each channel."
     OUT_OF_PHASE = (
