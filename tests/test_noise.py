@@ -8,7 +8,7 @@ from scipy.stats import gamma, norm
 from suspid import add_noise, estimate, free_decay, identify, quarter_car
 from suspid.identification import halves
 from suspid.identification.ascent import maximize
-from suspid.identification.classification import reasons_of
+from suspid.identification.classification import is_tone, reasons_of
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import COLOUR_BEGINS
 from suspid.identification.halves import disagreement, halfway
@@ -428,6 +428,11 @@ class TestReasons:
         fit = evaluate(blocks_of(values), slow, ANY)
         assert fit is not None
         assert reasons_of(fit, (0.0, np.pi), np.ones(1), 1.0) == (reason,)
+
+    def test_what_falls_by_a_millionth_over_the_record_is_a_tone_however_well_it_is_known(self) -> None:
+        """A simulation without noise knows a decay rate to 1e-11."""
+        assert is_tone(0.9e-6 / 1000, 1e-15, 1000)
+        assert not is_tone(1.1e-6 / 1000, 1e-15, 1000)
 
     @pytest.mark.parametrize(("sds", "reason"), [(9.8, Reason.TONE), (10.2, None)])
     def test_a_pair_of_a_fifth_of_an_e_folding_is_a_tone_below_ten_standard_deviations(
