@@ -14,7 +14,7 @@ from suspid.words import Reason
 # standard deviations above zero. Real tones drift, which shows as a slight decay or growth.
 TONE_SURE = 10.0
 # Nepers over the record below which nothing decays, however well a simulation without noise knows it.
-LEAST_FADED = 1e-6
+LEAST_DECAY_SEEN = 1e-6
 # Share of the energy of the best channel below which most of a record is other motion than the decay: standard
 # deviations are then widened by it, and no forces are looked for.
 LEAST_EXPLAINED = 0.5
@@ -43,7 +43,7 @@ def reasons_of(
 
 def is_tone(decay: float, spread: float, count: int) -> bool:
     """Return whether a decay rate per sample, known to a standard deviation, is none over a number of samples."""
-    return decay * count < (1.0 if decay < SURE * spread else 0.25 if decay < TONE_SURE * spread else LEAST_FADED)
+    return decay * count < (1.0 if decay < SURE * spread else 0.25 if decay < TONE_SURE * spread else LEAST_DECAY_SEEN)
 
 
 def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[float, float]) -> Reason | None:
