@@ -32,7 +32,7 @@ def identified(
         wn, np.full(len(wn), 0.1), wn_std=np.asarray(std) * wn, zeta_std=0.01 * np.ones(len(wn))
     )
     return cast(
-        "Identification", SimpleNamespace(modes=modes, residual=residual, noise_std=np.full(len(channels), NOISE))
+        "Identification", SimpleNamespace(modes=modes, _residual=residual, noise_std=np.full(len(channels), NOISE))
     )
 
 

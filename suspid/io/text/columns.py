@@ -61,8 +61,10 @@ class Columns:
         mark = next((mark for mark in COMMENTS if text.startswith(mark)), "")
         text = line.replace(mark, " " * len(mark), 1) if blanks else text.removeprefix(mark)
         text = LABELLED.sub("", text)
-        # A program that separates rows by tabs may leave commas behind the names.
-        cells = [cell.rstrip(",; ") for cell in self.dialect.cells(text)]
+        cells = self.dialect.cells(text)
+        # A program that separates rows by tabs or blanks may leave commas between the names.
+        if self.dialect.delimiter != "," and len(cells) > 1 and all(cell.endswith(",") for cell in cells[:-1]):
+            cells = [cell.removesuffix(",") for cell in cells]
         if blanks and len(cells) != width:
             wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
             cells = wide if len(wide) == width else _aligned(text, self.row) or cells
