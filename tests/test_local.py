@@ -1,5 +1,7 @@
 """Where a decay contradicts the law of its forces, the bands over the amplitude contain what it shows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,3 +47,10 @@ def test_a_mode_that_turns_too_fast_for_means_is_none_of_theirs() -> None:
     for turn, too_fast in ((1.5, True), (0.4, False)):
         record = as_response(time, np.exp(-0.01 * time) * np.cos(turn * time), ["body"])
         assert means._too_fast(identify(record), record) is too_fast
+
+
+def test_one_row_that_is_known_badly_does_not_hide_that_the_others_differ() -> None:
+    (found,) = identify(as_record(decay(0)[0], timepts=STEP * np.arange(2000))).amplitude_dependence
+    bad = np.append(found.zeta_std[:-1], 1.0), np.append(found.wn_std[:-1], 100.0)
+    assert replace(found, zeta_std=bad[0], wn_std=bad[1]).varies
+    assert not replace(found, zeta_std=np.ones_like(bad[0]), wn_std=100 * np.ones_like(bad[1])).varies

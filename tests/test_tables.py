@@ -251,15 +251,31 @@ class TestWithoutNames:
 
     def test_an_uneven_first_column_is_time_beside_one_that_swings(self, tmp_path: Path) -> None:
         """As a tracked video is written; beside a loop of force it may be the displacement."""
-        stamps = [k + 0.3 * (k % 3) for k in range(200)]
-        text = "".join(f"{t:.1f} {np.sin(0.5 * t):.6f}\n" for t in stamps)
+        steps = np.tile([1.0, 0.5, 1.0, 1.5], 50)
+        steps[::40] = 0.35
+        stamps = np.cumsum(steps)
+        text = "".join(f"{t:.2f} {np.sin(0.5 * t):.6f}\n" for t in stamps)
         recording = read(tmp_path, text)
         assert recording.names == ("column 2",)
         assert str(dict(recording.left_out)["column 1"]) == "increases like a clock: taken as the time"
         with pytest.raises(RecordError, match="no column is named like a time"):
-            read(tmp_path, "".join(f"{t:.1f} {np.sin(0.01 * t):.6f}\n" for t in stamps))
+            read(tmp_path, "".join(f"{t:.2f} {np.sin(0.01 * t):.6f}\n" for t in stamps))
         with pytest.raises(RecordError, match="no column is named like a time"):
-            read(tmp_path, "".join(f"{t:.1f} {np.sin(0.5 * t):.6f} {t**2}\n" for t in stamps))
+            read(tmp_path, "".join(f"{t:.2f} {np.sin(0.5 * t):.6f} {t**2}\n" for t in stamps))
+        # The way of a car that rolls to a stop, and a counter of what comes by chance.
+        way = 10 * (1 - np.exp(-np.arange(200) / 100))
+        chance = np.cumsum(np.random.default_rng(1).exponential(1.0, 200))
+        for rising in (way, chance):
+            with pytest.raises(RecordError, match="no column is named like a time"):
+                read(tmp_path, "".join(f"{x:.5f} {np.sin(0.5 * k):.6f}\n" for k, x in enumerate(rising)))
+
+    def test_a_word_in_a_slow_channel_is_no_setting(self, tmp_path: Path) -> None:
+        rows = [
+            f"{0.05 * k:.2f},{np.sin(k):.5f},{'OVER' if k == 40 else f'{k:.1f}' if not k % 20 else ''}"
+            for k in range(400)
+        ]
+        with pytest.raises(RecordError, match="OVER"):
+            read(tmp_path, "t,seat,temp\n" + "\n".join(rows) + "\n")
 
     def test_settings_beside_the_first_rows_are_no_channels(self, tmp_path: Path) -> None:
         """As Tektronix writes them, beside the time and the samples."""

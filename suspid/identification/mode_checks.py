@@ -36,6 +36,8 @@ SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
 # like whose damping falls with its amplitude (8 times in a pendulum's record). A smaller number doubts pairs of close
 # modes that are linear; those of one structure have like damping.
 BROAD_BESIDE_NARROW = 3.0
+# And their frequencies are this near: no damping moves one further.
+ONE_FREQUENCY = 1.1
 # A mode that makes this many cycles before it has fallen to 1/e is plain to see. A pulse of force makes fewer, and
 # noise in a band keeps its phase for fewer.
 MANY_CYCLES = 10.0
@@ -108,6 +110,8 @@ def check_parts(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.PARTS, Level.DOUBTFUL, {"modes": parts})
     pairs = (poles.imag > 0) & (poles[:, None].imag > 0)
     broad = widths > BROAD_BESIDE_NARROW * np.minimum(np.abs(poles.real)[:, None], np.abs(poles.real))
+    size = np.log(np.abs(poles))
+    broad &= np.abs(size[:, None] - size) < np.log(ONE_FREQUENCY)
     parts = numbers_of(np.any(near & pairs & broad, axis=1)) if len(found.noise_std) == 1 and not parts else ()
     if parts:
         yield check_of(ModeCheck.BROAD_AND_NARROW, Level.DOUBTFUL, {"modes": parts})

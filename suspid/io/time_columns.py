@@ -38,6 +38,9 @@ EVEN_TIME = 1e-3
 # Whole numbers are those of a clock that jitters if their usual step is this many at least, over this many rows: rows
 # that were picked, and stations of a speed, are fewer apart, or fewer.
 LEAST_TICKS, MANY_STAMPS = 4, 50
+# Parts of a record in which a clock runs have the same mean step within this; most steps lie this near the usual one.
+# Trackers that send when they can need the second, a counter of chance events has more.
+ONE_PACE, UNSTEADY = 0.06, 0.6
 # A column that turns as often as this swings: one that is driven once to and fro turns less often.
 SWINGS = 10
 # Names of columns that have none.
@@ -182,11 +185,24 @@ def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
         return []
     if len(table.sizes) == 2 == len(free):
         first, second = table.columns(list(free))
-        rising = first.size >= MANY_STAMPS and bool(np.all(np.diff(first) > 0) and np.any(first != np.round(first)))
-        if rising and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
+        finite = first.size >= MANY_STAMPS and np.all(np.isfinite(first)) and np.all(np.isfinite(second))
+        if finite and _keeps_pace(first) and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
             return [free[0]]
     running = [name for name, numbers in zip(free, table.columns(list(free)), strict=True) if _ticks(numbers)]
     return running if len(running) == 1 else []
+
+
+def _keeps_pace(stamps: RealArray) -> bool:
+    """Whether numbers rise at one pace but for jitter: in nine of ten parts of a record as in the middle one.
+
+    A way, a counter of something and sorted numbers do not.
+    """
+    steps = np.diff(stamps)
+    usual, paces = float(np.median(steps)), np.array([part.mean() for part in np.array_split(steps, 10)])
+    if not np.all(steps > 0) or np.all(stamps == np.round(stamps)):
+        return False
+    even = np.sum(np.abs(paces / np.median(paces) - 1) < ONE_PACE) >= 9
+    return bool(even and np.quantile(np.abs(steps - usual), MOST_STEPS) <= UNSTEADY * usual)
 
 
 def _first(table: Table) -> str:

@@ -63,12 +63,15 @@ class AmplitudeDependence:
 
     @property
     def varies(self) -> bool:
-        """Whether frequency or damping differs over the amplitudes by more than its 95 % interval.
+        """Whether frequency or damping differs between two amplitudes by more than both 95 % intervals.
 
         Friction and springs that harden change both; a damper that differs in compression and rebound changes neither.
         """
         pairs = (self.wn, self.wn_std), (self.zeta, self.zeta_std)
-        return any(float(np.ptp(values)) > NORMAL_95 * float(np.max(stds)) for values, stds in pairs)
+        return any(
+            bool(np.any(np.abs(values[:, None] - values) > NORMAL_95 * np.maximum(stds[:, None], stds)))
+            for values, stds in pairs
+        )
 
 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
@@ -200,7 +203,7 @@ def dependence(
 def moved_by(poles: ComplexArray, changes: ComplexArray) -> RealArray:
     """Return how far changes of exponents move natural frequencies and damping ratios, (pole, 2)."""
     parts = np.stack([changes.real, changes.imag], axis=1)
-    return np.abs(np.einsum("vpi,pi->pv", by_pole(poles), parts))
+    return np.asarray(np.abs(np.einsum("vpi,pi->pv", by_pole(poles), parts)))
 
 
 def over_windows(

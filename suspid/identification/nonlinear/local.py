@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from suspid.levels import EXACT, SURE
 from suspid.units import ComplexArray, RealArray
 
 # Fewest samples of a window: three for each unknown of a channel (an amplitude, a phase, an offset, and the change).
@@ -66,13 +67,19 @@ def _change(
     if len(z) < FEWEST_IN_WINDOW:
         return 0.0
     time = np.arange(len(z)) - (len(z) - 1) / 2
+    if not np.any(z):
+        return 0.0
     fixed, _ = np.linalg.qr(np.stack([z.real, z.imag, np.ones(len(z))], axis=1))
     moved = amplitudes[:, None] * (z * time)
     columns = np.stack([moved.real, -moved.imag], axis=1)
     columns = columns - (columns @ fixed) @ fixed.T
     left = residual[:, window]
     left = left - (left @ fixed) @ fixed.T
-    size = np.mean(left**2, axis=1) + 1e-300
+    motion = np.mean(np.abs(amplitudes[:, None] * z) ** 2, axis=1)
+    size = np.maximum(np.mean(left**2, axis=1), EXACT**2 * motion) + 1e-300
+    # A mode that is not seen in the window says nothing there.
+    if not np.any(motion > SURE**2 * size):
+        return 0.0
     normal = np.einsum("cis,cjs,c->ij", columns, columns, 1 / size)
     pulled = np.einsum("cis,cs,c->i", columns, left, 1 / size)
     step = np.linalg.lstsq(normal, pulled, rcond=1e-12)[0]

@@ -33,7 +33,7 @@ DATE = (
 ZONE = r"(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
 # MATLAB writes stamps between apostrophes.
 STAMP = re.compile(rf"'?(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME_OF_DAY}\s*{ZONE}'?", re.A)
-DATE_ALONE = re.compile(DATE, re.A)
+DATE_ALONE = re.compile(rf"'?{DATE}'?", re.A)
 NANO = 10**9
 DAY = 86400 * NANO
 # In place of the number of a date.

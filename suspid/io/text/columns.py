@@ -60,7 +60,7 @@ class Columns:
         text = line.lstrip() if blanks else line
         mark = next((mark for mark in COMMENTS if text.startswith(mark)), "")
         text = line.replace(mark, " " * len(mark), 1) if blanks else text.removeprefix(mark)
-        text = LABELLED.sub("", text)
+        text = LABELLED.sub("", text) if text.count(":=") == 1 else text
         cells = self.dialect.cells(text)
         # A program that separates rows by tabs or blanks may leave commas between the names.
         if self.dialect.delimiter != "," and len(cells) > 1 and all(cell.endswith(",") for cell in cells[:-1]):
@@ -101,7 +101,8 @@ class Columns:
         cells = [cell for cell in self.units(line) if cell]
         known = [bool(UNIT.fullmatch(plain(cell))) for cell in cells]
         short = all(len(cell) <= LONGEST_UNIT and " " not in cell for cell in cells)
-        return 2 * sum(known) + (len(set(cells)) < len(cells)) > len(known) and short
+        same = len(set(cells)) < len(cells) and not any(is_time(cell) for cell in cells)
+        return 2 * sum(known) + same > len(known) and short
 
 
 def _marked(line: str, width: int) -> list[str]:

@@ -83,7 +83,8 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
     every = {shape: [kind(cell) for cell in dialect.cells(shape)] for shape in counted}
     rows = {shape: kinds for shape, kinds in every.items() if len(kinds) == width and "number" in kinds}
     often = [counted[shape] for shape in rows]
-    commonest = tuple(_commonest(column, often) for column in zip(*rows.values(), strict=True))
+    every_column = list(zip(*rows.values(), strict=True))
+    commonest = _less_settings([_commonest(column, often) for column in every_column], every_column, often)
     lines = [cells for line in sample if len(cells := dialect.cells(line)) == width] if "text" in commonest else []
     lines = [cells for cells in lines if any(kind_of(cell, comma=dialect.comma) == "number" for cell in cells)]
     for column in (k for k, kind in enumerate(commonest) if kind == "text"):
@@ -99,14 +100,28 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
     return Columns(dialect, commonest)
 
 
+def _less_settings(
+    commonest: Sequence[Kind], columns: Sequence[Sequence[Kind]], often: Sequence[int]
+) -> tuple[Kind, ...]:
+    """Return what columns hold, text where they hold settings: words and numbers beside words, in few rows.
+
+    Oscilloscopes write a name and its value beside each of the first rows.
+    """
+    out = list(commonest)
+    for k in range(1, len(out)):
+        blank = [
+            sum(times for kind, times in zip(columns[at], often, strict=True) if kind == "missing") for at in (k - 1, k)
+        ]
+        if min(blank) > MOSTLY * sum(often) and out[k - 1] == "text" and "text" in columns[k]:
+            out[k] = "text"
+    return tuple(out)
+
+
 def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
     """Return what most cells of a column hold, given how often each occurs."""
     counts = Counter[Kind]()
     for kind, times in zip(kinds, often, strict=True):
         counts[kind] += times
-    # Oscilloscopes write their settings beside the first rows, a word or a number each.
-    if counts["text"] and counts["missing"] > MOSTLY * sum(counts.values()):
-        return "text"
     del counts["missing"]
     # One odd cell beside one number is an error to report, not a column of text.
     return max(counts, key=lambda kind: (counts[kind], kind in ("number", "stamp")), default="missing")
