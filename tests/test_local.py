@@ -7,6 +7,7 @@ import pytest
 
 from suspid import as_record, identify
 from suspid.analysis import means
+from suspid.identification.nonlinear.local import local_changes
 from suspid.levels import NORMAL_95
 from suspid.records import as_response
 from suspid.units import RealArray
@@ -54,3 +55,13 @@ def test_one_row_that_is_known_badly_does_not_hide_that_the_others_differ() -> N
     bad = np.append(found.zeta_std[:-1], 1.0), np.append(found.wn_std[:-1], 100.0)
     assert replace(found, zeta_std=bad[0], wn_std=bad[1]).varies
     assert not replace(found, zeta_std=np.ones_like(bad[0]), wn_std=100 * np.ones_like(bad[1])).varies
+
+
+@pytest.mark.parametrize(("rate", "seen"), [(1e-3, True), (1.0, False)])
+def test_a_mode_that_is_not_seen_in_a_window_says_nothing_there(rate: float, *, seen: bool) -> None:
+    """What is left is larger than the motion: a change of it would be other motion."""
+    time = np.arange(200.0)
+    state = 1e-3 * np.exp(0.5j * time)
+    left = np.real(state * rate * (time - time.mean()))[None] + 1e-6 * np.random.default_rng(1).standard_normal(200)
+    (change,) = local_changes(state, np.ones(1, complex), left, [(0, 199)])
+    assert bool(change) is seen

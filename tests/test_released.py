@@ -1,0 +1,53 @@
+"""The rest before a release against its definition, sample by sample."""
+
+import numpy as np
+import pytest
+
+from suspid.decays.predictions import released_at
+from suspid.units import RealArray
+
+# Standard deviation of the error of rounding to whole numbers.
+ROUNDED = 12**-0.5
+
+
+def stretches(rng: np.random.Generator, channels: int) -> RealArray:
+    """Return rounded samples that rest, rest but for noise, or swing, in turns of any length."""
+    parts, level = list[RealArray](), np.zeros((channels, 1))
+    while sum(part.shape[1] for part in parts) < 200:
+        count = int(rng.integers(1, 60))
+        swing = np.sin(0.3 * np.arange(count)) * rng.normal(0, 10, (channels, 1))
+        noise = rng.normal(0, 0.3, (channels, count)) * (rng.random() < 0.4)
+        parts.append(np.round(level + (noise if rng.random() < 0.5 else swing)))
+        level = parts[-1][:, -1:]
+    return np.concatenate(parts, axis=1)
+
+
+def by_definition(values: RealArray, within: float) -> int:
+    """Return the last sample of the last rest that lasts longer than the motion after it takes for half of its way."""
+    count = values.shape[1]
+    for end in range(count - 3, -1, -1):
+        still, moves = (np.abs(values[:, k + 1] - values[:, k]) for k in (end, end + 1))
+        if not (np.all(still <= within) and np.any(moves > within)):
+            continue
+        before, after = values[:, : end + 2], values[:, end + 1 :]
+        rest = 1
+        while rest < before.shape[1] and np.all(np.ptp(before[:, -rest - 1 :], axis=1) <= within):
+            rest += 1
+        sizes = np.ptp(after, axis=1)
+        far = np.any(np.abs(after - after[:, :1]) > 0.5 * np.where(sizes > within, sizes, np.inf)[:, None], axis=0)
+        if np.any(sizes > np.maximum(np.ptp(before, axis=1), within)) and rest - 1 > max(8, int(np.argmax(far))):
+            held = 0
+            while held + 1 < after.shape[1] and np.all(np.ptp(after[:, : held + 2], axis=1) <= within):
+                held += 1
+            return end + held + 1
+    return 0
+
+
+@pytest.mark.parametrize("channels", [1, 2])
+def test_as_it_is_defined(channels: int) -> None:
+    rng, found = np.random.default_rng(channels), list[int]()
+    for _ in range(150):
+        values = stretches(rng, channels)
+        found.append(released_at(values, np.full(channels, ROUNDED)))
+        assert found[-1] == by_definition(values, 1.5)
+    assert 20 < np.count_nonzero(found) < 130
