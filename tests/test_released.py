@@ -17,7 +17,7 @@ def stretches(rng: np.random.Generator, channels: int) -> RealArray:
         count = int(rng.integers(1, 60))
         swing = np.sin(0.3 * np.arange(count)) * rng.normal(0, 10, (channels, 1))
         noise = rng.normal(0, 0.3, (channels, count)) * (rng.random() < 0.4)
-        parts.append(np.round(level + (noise if rng.random() < 0.5 else swing)))
+        parts.append(np.asarray(np.round(level + (noise if rng.random() < 0.5 else swing)), float))
         level = parts[-1][:, -1:]
     return np.concatenate(parts, axis=1)
 
