@@ -282,11 +282,12 @@ class TestStart:
 
     def test_an_analysis_takes_samples_and_no_response(self) -> None:
         """A field of a result that is read as a response imports python-control: a second of a first command."""
-        fields = {"found.response", "found.fitted", "found.residual"}
-        for name, node in nodes():
-            if name.startswith(("analysis.", "decays.")) and isinstance(node, ast.Call):
-                taken = [one for one in node.args if ast.unparse(one) in fields]
-                assert not taken, f"{place(name)} line {node.lineno}: take `held(found, …)`"
+        calls = [(name, node) for name, node in nodes() if isinstance(node, ast.Call)]
+        for name, call in calls:
+            if name.startswith(("analysis.", "decays.")) and ast.unparse(call.func) == "as_signal":
+                taken = [one for one in call.args if isinstance(one, ast.Attribute)]
+                fields = [one.attr for one in taken if one.attr in {"response", "fitted", "residual"}]
+                assert not fields, f"{place(name)} line {call.lineno}: take `held(found, {fields[0]!r})`"
 
 
 def test_the_top_level_holds_what_belongs_there() -> None:

@@ -103,7 +103,7 @@ def explains(whole: Identification, part: Identification) -> bool:
     poles, most = _poles(whole), _poles(part)
     if poles > most:
         return False
-    return _by_chance(whole, as_signal(part.residual), most)
+    return _by_chance(whole, as_signal(held(part, "residual")), most)
 
 
 def holds(whole: Identification, part: control.TimeResponseData) -> bool:
@@ -118,7 +118,7 @@ def holds(whole: Identification, part: control.TimeResponseData) -> bool:
 
 def _by_chance(whole: Identification, left: Signal, most: int) -> bool:
     """Return whether the residual of a fit to a part is smaller than that of the whole by no more than chance."""
-    all_left = as_signal(whole.residual)
+    all_left = as_signal(held(whole, "residual"))
     rows = [all_left.channels.index(name) for name in left.channels]
     count = left.values.shape[1]
     first = round((left.start - all_left.start) / left.step)

@@ -47,7 +47,7 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
     """
     if part is None or not len(part.modes) or not len(whole.modes):
         return False
-    ours, theirs = _energies(as_signal(whole.fitted)), _energies(as_signal(part.fitted))
+    ours, theirs = (_energies(as_signal(held(found, "fitted"))) for found in (whole, part))
     if set(ours) != set(theirs) or not all(ours[name] > MORE * theirs[name] for name in theirs):
         return False
     modes, ends = whole.modes, part.modes

@@ -54,8 +54,8 @@ def _hardly_known(found: Identification) -> NDArray[np.bool_]:
 
 def _driven_before(record: control.TimeResponseData, found: Identification, period: Second) -> bool:
     """Return whether the record moves for longer than a bump before the first sample of an identification."""
-    signal, start = as_signal(record), as_signal(held(found, "residual")).start
-    channels = [signal.channels.index(name) for name in as_signal(held(found, "residual")).channels]
+    signal, fitted = as_signal(record), as_signal(held(found, "residual"))
+    start, channels = fitted.start, [signal.channels.index(name) for name in fitted.channels]
     time = signal.timepts
     before = (time >= start - PERIODS_BEFORE * period) & (time < start - 0.5 * period)
     if not before.any():
