@@ -51,3 +51,10 @@ def test_as_it_is_defined(channels: int) -> None:
         found.append(released_at(values, np.full(channels, ROUNDED)))
         assert found[-1] == by_definition(values, 1.5)
     assert 20 < np.count_nonzero(found) < 130
+
+
+def test_the_last_sample_of_a_rest_counts_as_moved_before() -> None:
+    """It creeps by one step, as far as the motion after it reaches; one further is growth."""
+    for lowest, held in ((0.0, 0), (-1.0, 13)):
+        values = np.array([0.0, *[10.0] * 12, 11.0, lowest, lowest, lowest])[None]
+        assert released_at(values, np.array([ROUNDED])) == by_definition(values, 1.5) == held

@@ -172,7 +172,7 @@ def _alone(found: Identification) -> bool:
 
 
 def _coherent(found: Identification) -> NDArray[np.bool_]:
-    """Return which modes by themselves are nearly all of the motion of a channel over many cycles, or all, (mode,).
+    """Return which modes are nearly all of a channel's motion over many cycles, or all of it over a few, (mode,).
 
     Two parts of a light decay do not tell its damping; that one swing goes on at one frequency they show.
     """

@@ -33,8 +33,8 @@ CYCLES_SEEN = 3.0
 # misses rows of which each second line is left out; a larger one takes the modes of a damped car for a row.
 SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
 # In one channel, two modes within a line of which one fades this many times as fast as the other are what a mode looks
-# like whose damping falls with its amplitude (8 times in a pendulum's record). A smaller number doubts pairs of close
-# modes that are linear; those of one structure have like damping.
+# like whose damping falls with its amplitude. A smaller number doubts pairs of close modes that are linear; those of
+# one structure have like damping.
 BROAD_BESIDE_NARROW = 3.0
 # And their frequencies are this near: no damping moves one further.
 ONE_FREQUENCY = 1.1
@@ -99,22 +99,22 @@ def check_parts(found: Identification) -> Iterator[Check]:
 
     That counts where the fit leaves them loud, or where a single channel shows a broad line and a narrow one.
     """
-    poles, loud = found.modes.poles, (found.loudness > LOUD) & (found.modes.poles.imag > 0)
     if found.forces:
         return
+    poles, loud, pairs = found.modes.poles, found.loudness > LOUD, found.modes.poles.imag > 0
+    rates, size = np.abs(poles.real), np.log(np.abs(poles))
     # A part that is gone at once is as broad as its line: the wider of the two counts.
-    widths = np.maximum(np.abs(poles.real)[:, None], np.abs(poles.real))
-    near = (np.abs(poles[:, None] - poles) < BENT * widths) & ~np.eye(len(poles), dtype=bool)
+    widths = np.maximum(rates[:, None], rates)
+    near = (np.abs(poles[:, None] - poles) < BENT * widths) & pairs[:, None] & pairs & ~np.eye(len(poles), dtype=bool)
     parts = numbers_of(np.any(near & loud[:, None] & loud, axis=1))
     if parts:
         yield check_of(ModeCheck.PARTS, Level.DOUBTFUL, {"modes": parts})
-    pairs = (poles.imag > 0) & (poles[:, None].imag > 0)
-    broad = widths > BROAD_BESIDE_NARROW * np.minimum(np.abs(poles.real)[:, None], np.abs(poles.real))
-    size = np.log(np.abs(poles))
-    broad &= np.abs(size[:, None] - size) < np.log(ONE_FREQUENCY)
-    parts = numbers_of(np.any(near & pairs & broad, axis=1)) if len(found.noise_std) == 1 and not parts else ()
-    if parts:
-        yield check_of(ModeCheck.BROAD_AND_NARROW, Level.DOUBTFUL, {"modes": parts})
+    elif len(found.noise_std) == 1:
+        broad = widths > BROAD_BESIDE_NARROW * np.minimum(rates[:, None], rates)
+        alike = np.abs(size[:, None] - size) < np.log(ONE_FREQUENCY)
+        parts = numbers_of(np.any(near & broad & alike, axis=1))
+        if parts:
+            yield check_of(ModeCheck.BROAD_AND_NARROW, Level.DOUBTFUL, {"modes": parts})
 
 
 def check_rows(found: Identification) -> Iterator[Check]:

@@ -183,12 +183,13 @@ def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
     """
     if not all(UNNAMED_COLUMN.fullmatch(name) for name in table.sizes) or len(free) < 2:
         return []
+    columns = table.columns(list(free))
     if len(table.sizes) == 2 == len(free):
-        first, second = table.columns(list(free))
+        first, second = columns
         finite = first.size >= MANY_STAMPS and np.all(np.isfinite(first)) and np.all(np.isfinite(second))
         if finite and _keeps_pace(first) and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
             return [free[0]]
-    running = [name for name, numbers in zip(free, table.columns(list(free)), strict=True) if _ticks(numbers)]
+    running = [name for name, numbers in zip(free, columns, strict=True) if _ticks(numbers)]
     return running if len(running) == 1 else []
 
 

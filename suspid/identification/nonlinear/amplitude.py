@@ -196,14 +196,8 @@ def dependence(
         by_parameter = by_pole(np.asarray(theta)) @ slopes
         poles[i], stds[i] = theta, np.sqrt(np.diag(by_parameter @ covariance @ by_parameter.T))
     spans = [span for _, _, span in parts]
-    stds = np.hypot(stds, moved_by(poles, local_changes(fit.states[pole], fit.amplitudes[pole], fit.residual, spans)))
-    return over_windows(spans, channels[strongest], amplitude, poles, stds, holds=holds, timepts=timepts)
-
-
-def moved_by(poles: ComplexArray, changes: ComplexArray) -> RealArray:
-    """Return how far changes of exponents move natural frequencies and damping ratios, (pole, 2)."""
-    parts = np.stack([changes.real, changes.imag], axis=1)
-    return np.asarray(np.abs(np.einsum("vpi,pi->pv", by_pole(poles), parts)))
+    changes = local_changes(fit.states[pole], fit.amplitudes[pole], fit.residual, spans)
+    return over_windows(spans, channels[strongest], amplitude, poles, stds, changes, holds=holds, timepts=timepts)
 
 
 def over_windows(
@@ -212,14 +206,18 @@ def over_windows(
     amplitude: RealArray,
     poles: ComplexArray,
     stds: RealArray,
+    changes: ComplexArray,
     *,
     holds: complex,
     timepts: RealArray,
 ) -> AmplitudeDependence:
     """Return the dependence of a mode on its amplitude, from its pole per sample in each window.
 
-    ``spans`` are in samples; ``stds`` are those of natural frequency and damping ratio, (window, 2).
+    ``spans`` are in samples; ``stds`` are those of natural frequency and damping ratio, (window, 2), without the
+    ``changes`` of the pole that the residual shows.
     """
+    moved = np.einsum("vwi,wi->wv", by_pole(poles), np.stack([changes.real, changes.imag], axis=1))
+    stds = np.hypot(stds, moved)
     step = float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     return AmplitudeDependence(
         spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for a, b in spans),

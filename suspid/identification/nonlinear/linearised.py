@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_near, shared_noise
-from suspid.identification.nonlinear.amplitude import AmplitudeDependence, moved_by, over_windows
+from suspid.identification.nonlinear.amplitude import AmplitudeDependence, over_windows
 from suspid.identification.nonlinear.describing import describing
 from suspid.identification.nonlinear.forces import OF_SPEED
 from suspid.identification.nonlinear.local import local_changes
@@ -161,6 +161,5 @@ def _dependence(
         slopes = by_pole(poles[i]) @ np.array([apart.real, apart.imag])
         stds[i] = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
     changes = local_changes(fit.motion.states[0, pole], fit.amplitudes[pole], fit.residual, spans)
-    stds = np.hypot(stds, moved_by(poles, changes))
     amplitude = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in spans])
-    return over_windows(spans, channels[strongest], amplitude, poles, stds, holds=holds, timepts=timepts)
+    return over_windows(spans, channels[strongest], amplitude, poles, stds, changes, holds=holds, timepts=timepts)

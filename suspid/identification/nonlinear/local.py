@@ -9,7 +9,8 @@ import numpy as np
 from suspid.levels import EXACT, SURE
 from suspid.units import ComplexArray, RealArray
 
-# Fewest samples of a window: three for each unknown of a channel (an amplitude, a phase, an offset, and the change).
+# Fewest samples of a window: three for each unknown of a channel (two of amplitude and phase, an offset, and two of the
+# change).
 FEWEST_IN_WINDOW = 15
 # Numbers of windows that are looked at together: what is slight in each shows in several.
 WINDOWS_TOGETHER = (1, 2, 4)
@@ -67,8 +68,6 @@ def _change(
     if len(z) < FEWEST_IN_WINDOW:
         return 0.0
     time = np.arange(len(z)) - (len(z) - 1) / 2
-    if not np.any(z):
-        return 0.0
     fixed, _ = np.linalg.qr(np.stack([z.real, z.imag, np.ones(len(z))], axis=1))
     moved = amplitudes[:, None] * (z * time)
     columns = np.stack([moved.real, -moved.imag], axis=1)

@@ -108,11 +108,12 @@ def _less_settings(
     Oscilloscopes write a name and its value beside each of the first rows.
     """
     out = list(commonest)
+    blank = [
+        sum(itertools.compress(often, (kind == "missing" for kind in column))) > MOSTLY * sum(often)
+        for column in columns
+    ]
     for k in range(1, len(out)):
-        blank = [
-            sum(times for kind, times in zip(columns[at], often, strict=True) if kind == "missing") for at in (k - 1, k)
-        ]
-        if min(blank) > MOSTLY * sum(often) and out[k - 1] == "text" and "text" in columns[k]:
+        if blank[k - 1] and blank[k] and out[k - 1] == "text" and "text" in columns[k]:
             out[k] = "text"
     return tuple(out)
 
