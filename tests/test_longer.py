@@ -8,7 +8,7 @@ import pytest
 from suspid import Identification, analyse, identify
 from suspid.analysis.longer import shared_modes
 from suspid.identification.noise import noise_of
-from suspid.identification.nonlinear import motion, search, structure
+from suspid.identification.nonlinear import choice, motion, search, structure
 from suspid.identification.nonlinear.feedback import Record
 from suspid.records import as_response
 from validation import rigs
@@ -104,3 +104,19 @@ def test_no_mode_is_followed_on_from_a_drift_in_the_first_samples() -> None:
         nuisances=np.zeros(1),
     )
     assert search._shifting(record, turn, 1000) is None
+
+
+@pytest.mark.parametrize(("fast", "size", "beyond"), [(-1e-12 + 1j, 0.01, False), (-1e-12 + 1j, 2.0, True)])
+def test_a_hum_that_never_fades_is_strong_by_what_it_is_within_the_record(
+    fast: complex, size: float, *, beyond: bool
+) -> None:
+    """Two thousand samples of a slow mode are few steps; those of a hum of one radian a sample are many."""
+    values = np.zeros((2, 2000))
+    record = Record(
+        values=values,
+        noise=noise_of(values + 1.0),
+        theta=np.array([-0.002 + 0.02j, fast]),
+        amplitudes=np.array([[1.0], [size]]) * np.ones((2, 2), complex),
+        nuisances=np.zeros(1),
+    )
+    assert choice.out_of_reach(record) is beyond

@@ -17,6 +17,7 @@ from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
 from suspid.identification.nonlinear.starts import beside_single, starts_of, strongest
 from suspid.identification.nonlinear.structure import StructureFit
+from suspid.units import ComplexArray
 
 # One more mode beside forces must lower the residual of a channel by this factor, unless it leaves only noise: a force
 # that is not quite the true one leaves a residual that further poles follow. Lower: distortions become modes. Higher:
@@ -51,7 +52,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
     strong = strongest(record, plain)
     for start in starts_of(record, strong, bent):
-        if steps_of(start.drive.theta, record.values.shape[1], ForceKind.CUBIC) > LONGEST_FITTED:
+        if _too_long(start.drive.theta, record.values.shape[1]):
             continue
         for order, kind in _kinds(record, start, bent, highest):
             longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
@@ -81,9 +82,15 @@ def out_of_reach(record: Record) -> bool:
     turning = np.flatnonzero((record.theta.imag > 0) & (record.theta.real < 0))
     if not turning.size:
         return False
-    energy = np.sum(np.abs(record.amplitudes[turning]) ** 2, axis=1) / -record.theta.real[turning]
-    strong = record.theta[turning[[int(np.argmax(energy))]]]
-    return steps_of(strong, record.values.shape[1], ForceKind.CUBIC) > LONGEST_FITTED
+    rates, count = 2 * record.theta.real[turning], record.values.shape[1]
+    # Within the record: what hardly fades lasts no longer than that.
+    energy = np.sum(np.abs(record.amplitudes[turning]) ** 2, axis=1) * np.expm1(rates * count) / rates
+    return _too_long(record.theta[turning[[int(np.argmax(energy))]]], count)
+
+
+def _too_long(theta: ComplexArray, count: int) -> bool:
+    """Return whether even the motion without friction takes more steps than structures are fitted to."""
+    return steps_of(theta, count, ForceKind.CUBIC) > LONGEST_FITTED
 
 
 def _beside_another(record: Record, strong: DrivenFit, best: StructureFit, *, highest: float) -> StructureFit:
