@@ -278,6 +278,13 @@ class TestGaps:
         with pytest.raises(RecordError, match="20 % of its samples"):
             clean(recording(T, values))
 
+    def test_of_channels_that_all_have_too_many_none_is_to_be_left_out(self) -> None:
+        """As where rows are lost: without one of them the others are refused alike."""
+        values = decay(T)
+        values[1:-1:5] = np.nan
+        with pytest.raises(RecordError, match=r"^every channel has gaps in 20 %.*filled; take a better stretch"):
+            clean(recording(T, values, values))
+
 
 class TestReportedAndLeft:
     def test_clipping(self) -> None:
