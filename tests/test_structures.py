@@ -14,6 +14,7 @@ from suspid.identification import ForceKind, Identification
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear import beginnings
 from suspid.identification.nonlinear.beginnings import begun, stops_soon
+from suspid.identification.nonlinear.bent_motion import BentSteps
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import Record
@@ -133,6 +134,39 @@ class TestMotionOfSmoothForces:
             forces=(Force(kind=kind, channel=0, other=None), Force(kind=kind, channel=1, other=0)),
             scales=np.ones(count),
         )
+
+
+class TestBentSteps:
+    """Newton's method over all steps at once, beside one step after the other."""
+
+    @pytest.mark.parametrize("kind", [kind for kind in ForceKind if kind is not ForceKind.FRICTION])
+    def test_all_steps_at_once_are_those_one_by_one(self, kind: ForceKind) -> None:
+        steps, start = self.steps(kind), np.repeat([1.0, 0.0], 2)
+        found, expected = steps.states(start, 400), steps.one_by_one(start, 400)
+        # The force does something.
+        free = BentSteps(kind=kind, rotation=steps.rotation, answer=0 * steps.answer, seen=steps.seen)
+        assert np.max(np.abs(expected - free.one_by_one(start, 400))) > 0.02
+        assert found is not None
+        assert np.max(np.abs(found[0] - expected[0])) < 1e-12
+        apart, changes = found[1:] - found[0], expected[1:] - expected[0]
+        assert np.max(np.abs(apart - changes)) < 1e-3 * np.max(np.abs(changes))
+
+    def test_a_motion_that_runs_away_is_none(self) -> None:
+        steps = self.steps(ForceKind.CUBIC)
+        pushed = BentSteps(kind=steps.kind, rotation=steps.rotation, answer=-80 * steps.answer, seen=steps.seen)
+        with np.errstate(all="ignore"):
+            assert pushed.states(np.repeat([1.0, 0.0], 2), 400) is None
+
+    @staticmethod
+    def steps(kind: ForceKind) -> BentSteps:
+        """Return steps of two modes with a force each, and beside them those with a pole or a gain a little changed."""
+        turn = np.tile([-0.003 + 0.11j, -0.006 + 0.31j], (3, 1))
+        gain = np.tile(np.array([[-0.02j, 0.01j], [0.008j, -0.03j]]), (3, 1, 1))
+        turn[1, 0] += 1e-6
+        gain[2, 1, 1] += 1e-6
+        held = np.swapaxes((np.expm1(turn) / turn)[:, :, None] * gain, 1, 2)
+        place = np.tile(np.array([[1.0, 0.4], [0.3, -0.8]], complex), (3, 1, 1))
+        return BentSteps.of(kind, powers=np.exp(turn), held=held, place=place)
 
 
 class TestTwoMassesWithCubicSprings:

@@ -90,8 +90,7 @@ class DrivenFit:
     drive: Drive
     noise: WhiteNoise
     states: ComplexArray  # (pole, sample): z
-    slopes: ComplexArray  # (parameter pair, sample): derivatives of the state by its pole, then by each free gain
-    owners: NDArray[np.intp]  # (parameter pair,): which pole each belongs to
+    answers: ComplexArray  # (pole, force, sample): derivatives of the states by the gains
     basis: RealArray  # (sample, column): orthonormal columns
     inverse: RealArray  # (column, column): amplitudes from inner products with `basis`
     coefficients: RealArray  # (column, channel)
@@ -168,6 +167,27 @@ class DrivenFit:
             out[j] = parts @ np.linalg.lstsq(covariance[np.ix_(at, at)], parts, rcond=1e-12)[0]
         return out
 
+    @property
+    def owners(self) -> NDArray[np.intp]:
+        """Which pole each of the `slopes` belongs to, (parameter pair,)."""
+        poles, forces = self.drive.gains.shape
+        return np.concatenate([np.arange(poles), np.repeat(np.arange(poles), forces)])
+
+    @cached_property
+    def slopes(self) -> ComplexArray:
+        """Derivatives of the state by its pole, then by each free gain, (parameter pair, sample)."""
+        from scipy.signal import lfilter
+
+        samples, drive = np.arange(self.states.shape[1]), self.drive
+        by_pole = np.exp(np.outer(drive.theta, samples)) * samples
+        if not len(drive.forces):
+            return np.asarray(by_pole)
+        for k, (theta, gains) in enumerate(zip(drive.theta, drive.gains, strict=True)):
+            turn, held = np.exp(theta), np.expm1(theta) / theta
+            drift = gains @ (turn * self.answers[k, :, :-1] + (turn - held) / theta * drive.forces[:, :-1])
+            by_pole[k, 1:] += lfilter([1.0], [1, -turn], drift)
+        return np.concatenate([by_pole, self.answers.reshape(-1, len(samples))])
+
     @cached_property
     def slopes_by_channel(self) -> RealArray:
         """Derivatives of each channel by the parameters, orthogonal to the columns, (channel, sample, parameter)."""
@@ -204,12 +224,12 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     from scipy.linalg import solve_triangular
 
     samples = np.arange(values.shape[1])
-    states, slopes, owners = _states(drive, samples)
+    states, answers = _states(drive, samples)
     columns = np.column_stack([states.real.T, states.imag.T, np.exp(np.outer(samples, drive.nuisances))])
     if drive.through:
         columns = np.column_stack([columns, drive.forces.T])
     # A step that lets a state grow without bound is none.
-    if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < LARGEST_STATE:
+    if not max(np.max(np.abs(columns)), np.max(np.abs(answers), initial=0.0)) < LARGEST_STATE:
         return None
     # Nor is one to a pole so near the real axis that its amplitude does.
     norms = np.linalg.norm(columns, axis=0)
@@ -226,8 +246,7 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
         drive=drive,
         noise=noise,
         states=states,
-        slopes=slopes,
-        owners=owners,
+        answers=answers,
         basis=basis,
         inverse=inverse,
         coefficients=inverse @ inner,
@@ -235,27 +254,20 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     )
 
 
-def _states(drive: Drive, samples: NDArray[np.intp]) -> tuple[ComplexArray, ComplexArray, NDArray[np.intp]]:
-    """Return the states (pole, sample), their derivatives (pole, then free gain; sample) and whose each is."""
+def _states(drive: Drive, samples: NDArray[np.intp]) -> tuple[ComplexArray, ComplexArray]:
+    """Return the states (pole, sample) and their derivatives by the gains (pole, force, sample)."""
     from scipy.signal import lfilter
 
     states = np.exp(np.outer(drive.theta, samples))
-    by_pole = states * samples
-    if not len(drive.forces):
-        return states, by_pole, np.arange(len(drive.theta))
-    force = drive.forces[:, :-1].astype(complex)
     answers = np.zeros((len(drive.theta), *drive.forces.shape), complex)
+    if not len(drive.forces):
+        return states, answers
+    force = drive.forces[:, :-1].astype(complex)
     for k, (theta, gains) in enumerate(zip(drive.theta, drive.gains, strict=True)):
-        turn = np.exp(theta)
-        held = np.expm1(theta) / theta
         # A force that is constant between samples: z_{i+1} = e^theta z_i + (e^theta - 1) / theta g_i.
-        answers[k, :, 1:] = lfilter([held], [1, -turn], force)
-        drift = gains @ (turn * answers[k, :, :-1] + (turn - held) / theta * force)
-        by_pole[k, 1:] += lfilter([1.0], [1, -turn], drift)
+        answers[k, :, 1:] = lfilter([np.expm1(theta) / theta], [1, -np.exp(theta)], force)
         states[k] += gains @ answers[k]
-    slopes = np.concatenate([by_pole, answers.reshape(-1, len(samples))])
-    owners = np.concatenate([np.arange(len(drive.theta)), np.repeat(np.arange(len(drive.theta)), len(drive.forces))])
-    return states, slopes, owners
+    return states, answers
 
 
 def maximize(values: RealArray, start: Drive, noise: WhiteNoise, *, steps: int) -> DrivenFit | None:
@@ -266,15 +278,17 @@ def maximize(values: RealArray, start: Drive, noise: WhiteNoise, *, steps: int) 
     damping = 1e-3
     for _ in range(steps):
         scale = np.sqrt(np.maximum(fit.information.diagonal(), 1e-300))
-        unit = fit.information / np.outer(scale, scale)
-        if not (np.all(np.isfinite(unit)) and np.all(np.isfinite(fit.gradient))):
+        unit, slope = fit.information / np.outer(scale, scale), fit.gradient / scale
+        if not (np.all(np.isfinite(unit)) and np.all(np.isfinite(slope))):
             return fit
+        curvature, axes = np.linalg.eigh(unit)
+        curvature, along = np.maximum(curvature, 0.0), axes.T @ slope
         better = None
         for _ in range(10):
-            step = np.linalg.lstsq(unit + damping * np.eye(len(unit)), fit.gradient / scale, rcond=None)[0] / scale
-            if float(step @ fit.gradient) < NEGLIGIBLE_GAIN:
+            part = along / (curvature + damping)
+            if float(part @ along) < NEGLIGIBLE_GAIN:
                 return fit
-            trial = evaluate(values, fit.drive.moved(step), noise)
+            trial = evaluate(values, fit.drive.moved(axes @ part / scale), noise)
             if trial is not None and trial.cost < fit.cost:
                 better = trial
                 break

@@ -80,6 +80,15 @@ def size_of(kind: ForceKind, d: RealArray, v: RealArray) -> RealArray:
     return np.asarray(d**2 if kind is ForceKind.SQUARE else np.abs(d))
 
 
+def slope_of(kind: ForceKind, followed: RealArray) -> RealArray:
+    """Return the derivative of a force other than friction by what it follows, over that at which the force is 1."""
+    if kind is ForceKind.DRAG:
+        return np.asarray(2 * np.abs(followed))
+    if kind is ForceKind.CUBIC:
+        return np.asarray(3 * followed * followed)
+    return np.asarray(2 * followed if kind is ForceKind.SQUARE else np.sign(followed))
+
+
 def means(values: RealArray) -> RealArray:
     """Return the mean from each sample to the next, (…, sample), of values that run straight between samples."""
     return np.concatenate([0.5 * (values[..., 1:] + values[..., :-1]), values[..., -1:]], axis=-1)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.identification.nonlinear.bent_motion import BentSteps
 from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind, size_of
 from suspid.levels import EXACT
 from suspid.units import ComplexArray, RealArray
@@ -127,30 +128,15 @@ def _bent(of: Structures, total: int, steps: float) -> tuple[ComplexArray, RealA
     Each has the mean of those at the start of a step and at its end, where the force at the start would bring it.
     """
     place = of.places * (of.theta[:, :, None] if of.kind in OF_SPEED else 1.0) / of.scales
-    # Real and imaginary parts side by side: products of real matrices take a fraction of the time.
-    seen = np.concatenate([place.real, -place.imag], axis=1)
-    turn = of.theta / steps
+    turn, poles = of.theta / steps, of.theta.shape[1]
     held = np.swapaxes((np.expm1(turn) / of.theta)[:, :, None] * of.gains, 1, 2)
-    answer = np.ascontiguousarray(np.concatenate([held.real, held.imag], axis=2))
-    powers, poles, kind = np.exp(turn), of.theta.shape[1], of.kind
-    out = np.empty((total + 1, len(powers), 1, 2 * poles))
-    acting = np.empty((total + 1, len(powers), 1, len(of.forces)))
-    out[0] = np.repeat([1.0, 0.0], poles)
-    force = size_of(kind, *[out[0] @ seen] * 2)
-    rotation = np.zeros((len(powers), 2 * poles, 2 * poles))
-    each = np.arange(poles)
-    rotation[:, each, each] = rotation[:, poles + each, poles + each] = powers.real
-    rotation[:, each, poles + each], rotation[:, poles + each, each] = powers.imag, -powers.imag
-    for step in range(total):
-        free = out[step] @ rotation
-        ahead = (free + force @ answer) @ seen
-        acting[step] = 0.5 * (force + size_of(kind, ahead, ahead))
-        out[step + 1] = free + acting[step] @ answer
-        again = out[step + 1] @ seen
-        force = size_of(kind, again, again)
-    acting[total] = force
-    states = np.moveaxis(out[:, :, 0, :poles] + 1j * out[:, :, 0, poles:], 0, -1)
-    return np.asarray(states), np.moveaxis(acting[:, :, 0], 0, -1)
+    taken = BentSteps.of(of.kind, powers=np.exp(turn), held=held, place=place)
+    start = np.repeat([1.0, 0.0], poles)
+    states = taken.states(start, total)
+    states = taken.one_by_one(start, total) if states is None else states
+    _, acting, followed, _ = taken.acting(states)
+    acting[:, -1] = size_of(of.kind, followed[:, -1], followed[:, -1])
+    return np.moveaxis(states[..., :poles] + 1j * states[..., poles:], 1, 2), np.moveaxis(acting, 1, 2)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ mass may be held by friction, and a force changes speeds, not positions: that le
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import OF_SPEED, Force
 from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
 from suspid.units import ComplexArray, RealArray
+from suspid.values import frozen_real
 
 # Share of the largest speeds by which a unit of force within a radian of the fastest mode may change positions, in
 # standard deviations of 1. A smaller share slows the fit down, a larger one frees the gains.
@@ -198,9 +199,15 @@ def _observed(record: Record, structures: Structures, motion: Motion, order: int
 
 def _less_nuisances(record: Record, values: RealArray) -> RealArray:
     """Return values (…, sample) less the offset and drift nearest to them."""
-    columns = np.exp(np.outer(np.arange(values.shape[-1]), record.nuisances))
-    basis = np.linalg.qr(columns)[0]
+    basis = _basis(values.shape[-1], tuple(record.nuisances))
     return np.asarray(values - (values @ basis) @ basis.T)
+
+
+# A fit has one record, and its derivatives the same.
+@lru_cache(maxsize=4)
+def _basis(count: int, nuisances: tuple[float, ...]) -> RealArray:
+    """Return orthonormal columns of the offset and drift, (sample, nuisance)."""
+    return frozen_real(np.linalg.qr(np.exp(np.outer(np.arange(count), nuisances)))[0])
 
 
 def jumps_of(structures: Structures) -> RealArray:
