@@ -52,6 +52,14 @@ class TestClipping:
         assert all(clipped_run(values, largest=largest) is not None for largest in (True, False))
         assert clipped_run(swing[k - (k % 4 == 3)], largest=True) is None
 
+    @pytest.mark.parametrize("start", [0.0, 0.21, 0.43])
+    def test_a_slow_crest_in_coarse_steps_with_a_value_between_two_is_not_clipped(self, start: float) -> None:
+        """A sensor of .2 mm that turns back after 9 mm: ten samples are the same, and one value lies between steps."""
+        t = np.arange(2500) / 200 + start
+        values = np.round(45 * np.exp(-0.01 * t) * np.cos(2 * np.pi * 1.35 * t)) * 2e-4
+        values[1203] += 1e-5
+        assert all(clipped_run(values, largest=largest) is None for largest in (True, False))
+
     def test_a_release_that_is_not_seen_from_its_first_sample_on_is_none(self) -> None:
         """However the samples lie about a release, a mass at rest leaves with a third of the next step at most."""
         k = np.arange(300)

@@ -12,7 +12,7 @@ from suspid import Identification, Level, Verdict, add_noise, free_decay, identi
 from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
 from suspid.identification.considered import Considered
 from suspid.identification.lines import clear_line
-from suspid.identification.mode_checks import ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
+from suspid.identification.mode_checks import LINE_OF_OTHER_MOTION, ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
 from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
 from suspid.records import as_response, late_start
@@ -80,6 +80,13 @@ class TestPrecision:
         verdict = verdict_of(known_to(found, wn=1e-6, zeta=UNKNOWN_ZETA * factor))
         assert bool(said(verdict, ModeCheck.DAMPING_UNKNOWN)) is (factor > 1)
         assert bool(said(verdict, ModeCheck.KNOWN_ROUGHLY)) is (factor < 1)
+
+    @pytest.mark.parametrize("over", [-0.02, 0.02])
+    def test_a_mode_of_unknown_damping_in_other_motion_is_doubtful(self, found: Identification, over: float) -> None:
+        vague = known_to(found, wn=1e-6, zeta=1.1 * UNKNOWN_ZETA)
+        loud = replace(vague, loudness=np.full(len(vague.modes), LINE_OF_OTHER_MOTION + over))
+        (check,) = said(verdict_of(loud), ModeCheck.DAMPING_UNKNOWN)
+        assert check.level is (Level.DOUBTFUL if over > 0 else Level.CARE)
 
     def test_figures_are_those_of_five_percent(self) -> None:
         # What a report calls roughly known: 5 % in frequency, 25 % in damping; unknown: an interval that reaches zero.

@@ -17,6 +17,10 @@ from suspid.words import Defect, Number
 CLIPPED = 3
 # Samples on each side in which equal neighbours are counted: how often noise of a few steps repeats a value by chance.
 BESIDE = 20
+# A channel is in coarse steps from this share of repeats on, and of values on one side of a crest that are met on the
+# other: a sensor that is read too often repeats each, but meets none again. This share of its steps may be smaller than
+# one of the converter, as interpolated values lie between two.
+COARSE, BETWEEN_STEPS = 0.2, 0.1
 # The first step from rest over the growth of the next is at most one half where the force is steady, and this where it
 # changes as in an eighth of a cycle. With more, most crests that are cut off seem to leave from rest.
 FROM_REST = 0.8
@@ -39,8 +43,9 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     if not np.any(after - first >= CLIPPED):
         return None
     steps = np.abs(np.diff(samples))
-    left = ~_from_rest(samples, first, after, 3 * float(np.min(steps[steps > 0], initial=np.inf)))
     counts = after - first
+    step = _step_beside(samples, steps, int(first[np.argmax(counts)]), int(np.max(counts)))
+    left = ~_from_rest(samples, first, after, 3 * step)
     cut_off = left & (counts >= CLIPPED) & (counts <= 0.5 * samples.size)
     if not cut_off.any():
         return None
@@ -67,6 +72,21 @@ def is_clipped(samples: RealArray) -> bool:
     (False, True)
     """
     return any(clipped_run(samples, largest=largest) is not None for largest in (True, False))
+
+
+def _step_beside(samples: RealArray, steps: RealArray, first: int, count: int) -> float:
+    """Return the step of the converter, given the differences of samples and a run at the limit of a channel.
+
+    That is the smallest one; where values beside the run are repeated and met again, nearly the smallest of those there.
+    """
+    near = slice(max(0, first - BESIDE), first + count + BESIDE)
+    others = steps[near][samples[near][: steps[near].size] != samples[first]]
+    before, past = np.unique(samples[near.start : first]), samples[first + count : near.stop]
+    # At another limit a channel stays again and again, too.
+    again = np.isin(before[(before > np.min(samples)) & (before < np.max(samples))], past)
+    if np.count_nonzero(others) and np.mean(others == 0) > COARSE and again.size and np.mean(again) > COARSE:
+        return float(np.quantile(others[others > 0], BETWEEN_STEPS))
+    return float(np.min(steps[steps > 0], initial=np.inf))
 
 
 def _from_rest(samples: RealArray, first: Indices, after: Indices, step: float) -> NDArray[np.bool_]:

@@ -62,7 +62,9 @@ def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
     removed = []
     for theta, reason in zip(every.tolist(), selection.reasons, strict=True):
-        if reason is Reason.HARMONIC:
+        if reason in (Reason.HARMONIC, Reason.COMBINATION) and not len(modes):
+            removed.append(Considered(pole=complex(theta) / step, remark=Remark(Reason.OF_NO_MODE), removed=True))
+        elif reason is Reason.HARMONIC:
             mode, multiple = multiple_of(modes, complex(theta) / step)
             remark = Remark(reason, {"mode": mode, "multiple": multiple})
             removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 # Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
+# Where the residual near a mode has this many times the power of white noise, a mode whose zeta is unknown is no more
+# than a line that some other motion leaves there. A smaller number doubts weak modes in noise with a little colour.
+LINE_OF_OTHER_MOTION = 2.0
 # Phase collinearity below which the channels of a mode are out of phase.
 OUT_OF_PHASE = 0.5
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
@@ -169,7 +172,8 @@ def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
     vague = pairs & (zeta > UNKNOWN_ZETA)
     rough = pairs & ~vague & (zeta > ROUGH_ZETA) | pairs & (wn > ROUGH_WN)
     if np.any(vague):
-        yield check_of(ModeCheck.DAMPING_UNKNOWN, Level.CARE, {"modes": numbers_of(vague)})
+        other = bool(np.any(found.loudness[vague] > LINE_OF_OTHER_MOTION))
+        yield check_of(ModeCheck.DAMPING_UNKNOWN, Level.DOUBTFUL if other else Level.CARE, {"modes": numbers_of(vague)})
     for k in np.flatnonzero(rough).tolist():
         numbers: dict[str, Number] = {"mode": k + 1}
         numbers |= {"wn": float(wn[k])} if wn[k] > ROUGH_WN else {}
