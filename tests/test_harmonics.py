@@ -111,3 +111,24 @@ def test_a_short_burst_has_no_mode_of_unknown_frequency_and_damping() -> None:
         known = 1.96 * one.modes.wn_std[mode] < 0.05 * one.modes.wn[mode]
         assert known or one.modes.zeta[mode] > 1.96 * one.modes.zeta_std[mode]
     assert all(c.remark.code is not Reason.UNKNOWN or c.removed for c in one.considered)
+
+
+class TestFlashes:
+    """A switch rings for an instant beside a decay of 200 time constants of it; what lasts or weighs more is a mode."""
+
+    @staticmethod
+    def hertz(*, size: float = 1.0, rate: float = 180.0, cycles: float = 1.5) -> list[float]:
+        """Return the frequencies [Hz] found beside two modes of 17 and 19 Hz that decay at .9 and .8 per second."""
+        time = np.arange(8000) / 2000
+        motion = sum(np.exp(-r * time) * np.cos(2 * np.pi * f * time + 0.3 * f) for f, r in ((17.0, 0.9), (19.0, 0.8)))
+        flash = size * np.exp(-rate * time) * np.cos(2 * np.pi * cycles * rate * time)
+        noise = 2e-3 * np.random.default_rng(8).standard_normal((1, time.size))
+        modes = identify(as_response(time, motion + flash + noise, ["body"])).modes
+        return np.round(modes.wn / (2 * np.pi)).tolist()
+
+    def test_one_is_no_mode(self) -> None:
+        assert self.hertz() == [17.0, 19.0]
+
+    @pytest.mark.parametrize("changed", [{"size": 4.0}, {"rate": 60.0}, {"cycles": 4.0}])
+    def test_with_more_energy_time_or_cycles_it_is_a_mode(self, changed: dict[str, float]) -> None:
+        assert len(self.hertz(**changed)) == 3

@@ -29,7 +29,7 @@ from suspid.identification.nonlinear import (
     unlike_linear,
 )
 from suspid.identification.ongoing import without_lines
-from suspid.identification.pulses import without_beginning, without_pulse
+from suspid.identification.pulses import without_beginning, without_flashes, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.levels import NORMAL_95
@@ -95,7 +95,8 @@ def by_likelihood(
     else:
         if steps.count is None:
             selection = with_changing(selection, centred, noise, limits)
-            selection = without_pulse(without_beginning(without_comb(without_lines(selection))), centred)
+            selection = without_flashes(without_beginning(without_comb(without_lines(selection))))
+            selection = without_pulse(selection, centred)
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
