@@ -17,11 +17,12 @@ from suspid.identification.nonlinear.beginnings import begun, stops_soon
 from suspid.identification.nonlinear.bent_motion import BentSteps
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
-from suspid.identification.nonlinear.feedback import Record
+from suspid.identification.nonlinear.feedback import Record, nonlinear_part
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of, with_friction
 from suspid.identification.nonlinear.motion import Structures, motion_of
 from suspid.identification.nonlinear.structure import StructureFit, structure_of
+from suspid.identification.nonlinear.swings import swings_of
 from suspid.records import as_response, cut, of_channels
 from validation import rigs
 from validation.friction import Rig, released
@@ -63,6 +64,55 @@ def test_a_pole_next_to_the_real_axis_has_no_amplitude_without_bound() -> None:
             nuisances=np.zeros(1),
         )  # fmt: skip
         assert (evaluate(values, drive, noise) is not None) is found
+
+
+class TestSwingsOfWhatIsShown:
+    """Forces that show in a channel at once, fitted freely: the swings are those of the channel, not of the state."""
+
+    COUNT, THETA = 600, -0.002 + 0.21j
+
+    def found(self, *, direct: float, gain: complex = 0.0) -> tuple[DrivenFit, NDArray[np.float64]]:
+        """Return a fit with a cubic force and the logarithmic decrement of each of its channel's swings."""
+        noise, state = WhiteNoise(least=np.zeros(1)), np.exp(self.THETA * np.arange(self.COUNT))
+        plain = Drive(
+            theta=np.array([self.THETA]), gains=np.zeros((1, 0), complex), forces=np.zeros((0, self.COUNT)),
+            nuisances=np.zeros(1),
+        )  # fmt: skip
+        alone = evaluate(np.asarray(state.real[None]), plain, noise)
+        assert alone is not None
+        force = nonlinear_part(
+            Force(kind=ForceKind.CUBIC, channel=0, other=None).sampled(state.real[None], state.imag[None]), alone
+        )
+        drive = replace(plain, forces=force[None], gains=np.array([[gain]]), through=True)
+        motion = evaluate(np.asarray(state.real[None]), drive, noise)
+        assert motion is not None
+        values = motion.states[0].real + direct * force
+        fit = evaluate(values[None], drive, noise)
+        assert fit is not None
+        turns = np.flatnonzero((np.diff(values)[1:] > 0) != (np.diff(values)[:-1] > 0)) + 1
+        peaks = [np.polyfit(range(-3, 4), values[k - 3 : k + 4], 4) for k in turns if 3 <= k < self.COUNT - 3]
+        tops = np.array([np.max(np.abs(np.polyval(each, np.linspace(-2, 2, 401)))) for each in peaks])
+        return fit, np.log(tops[:-10] / tops[10:]) / (10 * np.pi)
+
+    def test_they_fall_as_those_of_the_channel(self) -> None:
+        fit, decrements = self.found(direct=0.05)
+        assert np.ptp(decrements) > 0.2 * np.mean(decrements)
+        swings = swings_of(fit, 0)
+        assert swings is not None
+        of_swings = np.log(swings.size[:-10] / swings.size[10:]) / (10 * np.pi)
+        used = slice(5, min(len(of_swings), len(decrements)) - 5)
+        # A cubic force has a third harmonic, which tops have and the swings of a mode have not.
+        assert np.max(np.abs(of_swings[used] - decrements[used])) < 0.05 * np.mean(decrements)
+
+    def test_what_the_gain_says_is_an_acceleration_and_changes_nothing(self) -> None:
+        gain = 0.002j
+        direct = float(np.real(gain / self.THETA))
+        fit, _ = self.found(direct=direct, gain=gain)
+        without = replace(fit, drive=replace(fit.drive, through=False))
+        one, other = swings_of(fit, 0), swings_of(without, 0)
+        assert one is not None
+        assert other is not None
+        assert one.size == pytest.approx(other.size, rel=1e-3)
 
 
 class TestMotion:

@@ -70,9 +70,10 @@ def mean_of(
 
 def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings | None:
     """Return the swings of a mode in its strongest channel within a window; None if there are not two."""
-    state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
-    strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
+    own, strongest = np.flatnonzero(fit.owners == pole), int(np.argmax(np.abs(fit.amplitudes[pole])))
     amplitude = fit.amplitudes[pole, strongest]
+    shown = _shown(fit, pole, strongest)
+    state = fit.states[pole, window]
     # States begin with 1; below this their ratios are not known to rounding.
     gone = np.flatnonzero(np.abs(state) < 1e-100)
     state = state[: int(gone[0])] if gone.size else state
@@ -96,6 +97,7 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
     rows = np.vstack([logs, slopes / state])
     rows = rows[:, at] + (times + more - at) * (rows[:, at + 1] - rows[:, at])
+    rows[0] += np.log(np.interp(times + first, np.arange(len(shown)), shown))
     positions = np.real(amplitude * np.exp(rows[0]))
     size = 0.5 * np.abs(np.diff(positions))
     # What is lost in the noise was not met.
@@ -104,6 +106,26 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     if seen < 2:
         return None
     return Swings(time=times[:seen], size=size[:seen], slopes=rows[1:, :seen], own=own, free=fit.drive.free)
+
+
+def _shown(fit: DrivenFit, pole: int, channel: int) -> RealArray:
+    """Return by what factor the swings of a channel are larger than those of the state, (sample,).
+
+    Forces show in accelerations at once, as much as their gains say: that is the swing of the state. What they show
+    beyond that is no acceleration, but changes the size of the swings as they were measured.
+    """
+    drive, count = fit.drive, fit.states.shape[1]
+    if not drive.through:
+        return np.ones(count)
+    amplitude, theta, state = fit.amplitudes[pole, channel], drive.theta[pole], fit.states[pole]
+    direct = fit.coefficients[-len(drive.forces) :, channel] - np.real(amplitude * drive.gains[pole] / theta)
+    cycle = max(1, round(2 * np.pi / abs(theta.imag)))
+    # The part of the forces in step with the state, cycle by cycle.
+    turned = 2 * (direct @ drive.forces) * state.conj() / (amplitude * np.abs(state) ** 2 + 1e-300)
+    sums = np.cumsum(np.concatenate([[0.0], turned]))
+    ends = np.clip(np.arange(count) - cycle // 2, 0, max(count - cycle, 0))
+    mean = (sums[np.minimum(ends + cycle, count)] - sums[ends]) / min(cycle, count)
+    return np.asarray(np.abs(1 + mean))
 
 
 def _prolonged(state: ComplexArray, theta: complex, push: ComplexArray, more: int) -> ComplexArray:
