@@ -110,6 +110,22 @@ class TestColumnsThatMeasureNothing:
         assert [channel.name for channel in recording.channels] == ["seat"]
         assert dict(recording.left_out)["Tb"].code is LeftOut.SAME_TIME
 
+    @pytest.mark.parametrize(
+        ("late", "said"),
+        [
+            (0.0, "is the same time as 'Time A'"),
+            (0.0025, "runs +0.0025 s from 'Time A', less than a sample: one time is taken for both"),
+            (3600.0, "is the same time as 'Time A'"),
+        ],
+    )
+    def test_a_time_before_each_channel(self, tmp_path: Path, late: float, said: str) -> None:
+        """Two sensors that are read in turn have times half a sample apart; the time of day runs from another start."""
+        first, second = ([f"{t + shift:.6f}" for t in TIMES] for shift in (0.0, late))
+        path = table(tmp_path / "a.csv", first, SAMPLES, second, SAMPLES[::-1], head="Time A,A,Time B,B\n")
+        recording = read_recording(path)
+        assert [channel.name for channel in recording.channels] == ["A", "B"]
+        assert str(dict(recording.left_out)["Time B"]) == said
+
     def test_a_sensor_in_whole_numbers_is_a_channel(self, tmp_path: Path) -> None:
         path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], SAMPLES, head="time,seat\n")
         assert [channel.name for channel in read_recording(path).channels] == ["seat"]

@@ -77,7 +77,7 @@ def is_clipped(samples: RealArray) -> bool:
 def _step_beside(samples: RealArray, steps: RealArray, first: int, count: int) -> float:
     """Return the step of the converter, given the differences of samples and a run at the limit of a channel.
 
-    That is the smallest one; where values beside the run are repeated and met again, nearly the smallest of those there.
+    That is the smallest one; where values beside the run repeat and are met again, nearly the smallest of those there.
     """
     near = slice(max(0, first - BESIDE), first + count + BESIDE)
     others = steps[near][samples[near][: steps[near].size] != samples[first]]

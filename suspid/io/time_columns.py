@@ -24,7 +24,7 @@ from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import FEW_STAMPS, in_seconds
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
-from suspid.words import LeftOut, Remark
+from suspid.words import LeftOut, Number, Remark
 
 # What to do with a file over frequency.
 NO_SPECTRA = "records over time are needed, no spectra or frequency responses; export the time histories"
@@ -70,7 +70,7 @@ def time_column(
         better, worse = (name, kept[same]) if starts[0] > starts[1] else (kept[same], name)
         kept[same] = better
         times = {one: better if of == worse else of for one, of in times.items()} | {name: better}
-        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better})
+        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better, **_late(table, better, worse)})
     if len(kept) > 1:
         pairs = _pairs(table, times)
         if pairs and fs is None:
@@ -137,6 +137,15 @@ def _same_time(table: Table, one: str, other: str) -> bool:
         apart = np.abs((first - first[:1]) - (second - second[:1]))
         step = np.median(np.abs(np.diff(second)))
     return bool(step > 0 and np.all(apart <= step / 2))
+
+
+def _late(table: Table, one: str, other: str) -> dict[str, Number]:
+    """Return by how much another column of time runs behind one, if that is less than a sample [s]; nothing if 0."""
+    first, second = (in_seconds(table, name, table.columns([name])[0]) for name in (one, other))
+    with np.errstate(invalid="ignore"):
+        late = float(np.nanmedian(second - first))
+        step = float(np.nanmedian(np.abs(np.diff(first))))
+    return {"late": late} if 0.01 * step < abs(late) < step else {}
 
 
 def increasing(table: Table) -> str:

@@ -109,7 +109,16 @@ class LeftOut(Code):
     GROUP_TIME = "group_time", "is the time of its group"
     TAKEN_AS_TIME = "taken_as_time", "increases like a clock: taken as the time"
     STEP_CLOCK = "step_clock", "holds the time from each sample to the next [{unit}]: their sums are the time"
-    SAME_TIME = "same_time", "is the same time as {other!r}"
+    SAME_TIME = (
+        "same_time",
+        sentence(
+            lambda n: (
+                f"runs {float(str(n['late'])):+.3g} s from {n['other']!r}, less than a sample: one time is taken for both"
+                if n.get("late")
+                else f"is the same time as {n['other']!r}"
+            )
+        ),
+    )
     LIKE_TIME = "like_time", "reads like a time"
     PARTS = "parts", "holds the parts of a second, beside the time {other!r}"
     SPARE_TIMES = "spare_times", "contains times of day, which are not needed: another column is the time"
