@@ -124,7 +124,7 @@ class TestFlashes:
         flash = size * np.exp(-rate * time) * np.cos(2 * np.pi * cycles * rate * time)
         noise = 2e-3 * np.random.default_rng(8).standard_normal((1, time.size))
         modes = identify(as_response(time, motion + flash + noise, ["body"])).modes
-        return np.round(modes.wn / (2 * np.pi)).tolist()
+        return [float(round(wn / (2 * np.pi))) for wn in modes.wn.tolist()]
 
     def test_one_is_no_mode(self) -> None:
         assert self.hertz() == [17.0, 19.0]

@@ -114,7 +114,7 @@ class TestColumnsThatMeasureNothing:
         ("late", "said"),
         [
             (0.0, "is the same time as 'Time A'"),
-            (0.0025, "runs +0.0025 s from 'Time A', less than a sample: one time is taken for both"),
+            (0.0025, "runs +0.0025 s from 'Time A', less than a sample: one is used for both"),
             (3600.0, "is the same time as 'Time A'"),
         ],
     )
@@ -125,6 +125,15 @@ class TestColumnsThatMeasureNothing:
         recording = read_recording(path)
         assert [channel.name for channel in recording.channels] == ["A", "B"]
         assert str(dict(recording.left_out)["Time B"]) == said
+
+    def test_a_second_time_without_a_name_is_no_channel(self, tmp_path: Path) -> None:
+        first, second, drift = (
+            [f"{t * pace + late:.6f}" for t in TIMES] for pace, late in ((1, 0), (1, 0.012), (2, 0))
+        )
+        path = table(tmp_path / "a.csv", first, SAMPLES, second, SAMPLES[::-1], drift)
+        recording = read_recording(path)
+        assert [channel.name for channel in recording.channels] == ["column 2", "column 4", "column 5"]
+        assert dict(recording.left_out)["column 3"].code is LeftOut.SAME_TIME
 
     def test_a_sensor_in_whole_numbers_is_a_channel(self, tmp_path: Path) -> None:
         path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], SAMPLES, head="time,seat\n")

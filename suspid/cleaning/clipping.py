@@ -20,7 +20,7 @@ BESIDE = 20
 # A channel is in coarse steps from this share of repeats on, and of values on one side of a crest that are met on the
 # other: a sensor that is read too often repeats each, but meets none again. This share of its steps may be smaller than
 # one of the converter, as interpolated values lie between two.
-COARSE, BETWEEN_STEPS = 0.2, 0.1
+MET_AGAIN, BETWEEN_STEPS = 0.2, 0.1
 # The first step from rest over the growth of the next is at most one half where the force is steady, and this where it
 # changes as in an eighth of a cycle. With more, most crests that are cut off seem to leave from rest.
 FROM_REST = 0.8
@@ -84,7 +84,7 @@ def _step_beside(samples: RealArray, steps: RealArray, first: int, count: int) -
     before, past = np.unique(samples[near.start : first]), samples[first + count : near.stop]
     # At another limit a channel stays again and again, too.
     again = np.isin(before[(before > np.min(samples)) & (before < np.max(samples))], past)
-    if np.count_nonzero(others) and np.mean(others == 0) > COARSE and again.size and np.mean(again) > COARSE:
+    if np.count_nonzero(others) and np.mean(others == 0) > MET_AGAIN and again.size and np.mean(again) > MET_AGAIN:
         return float(np.quantile(others[others > 0], BETWEEN_STEPS))
     return float(np.min(steps[steps > 0], initial=np.inf))
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from suspid.io.column_plan import ColumnPlan
 from suspid.io.names import counts_rows, is_abscissa, is_count
-from suspid.io.time_units import FEW_STAMPS
+from suspid.io.time_columns import UNNAMED_COLUMN
+from suspid.io.time_units import FEW_STAMPS, late_by, runs_beside
 from suspid.units import RealArray, Second
 from suspid.words import LeftOut, Remark
 
@@ -86,11 +87,20 @@ def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps:
 
 
 def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
-    """Return the channels that repeat the column of time number by number, as files with a time for each test do."""
+    """Return the channels that repeat the column of time number by number, as files with a time for each test do.
+
+    One without a name may also run beside it, by less than half a sample more or less: the time of a second sensor.
+    """
     if plan.time is None or columns[plan.time].size < MANY_ROWS:
         return {}
     stamps = columns[plan.time]
-    same = [name for name in plan.followers if np.array_equal(columns[name], stamps, equal_nan=True)]
-    return (
-        dict.fromkeys(same, Remark(LeftOut.SAME_TIME, {"other": plan.time})) if len(same) < len(plan.channels) else {}
-    )
+    half = 0.5 * float(np.nanmedian(np.abs(np.diff(stamps))))
+    same = [
+        name
+        for name in plan.followers
+        if np.array_equal(columns[name], stamps, equal_nan=True)
+        or (UNNAMED_COLUMN.fullmatch(name) and runs_beside(columns[name], stamps, half))
+    ]
+    if len(same) == len(plan.channels):
+        return {}
+    return {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}

@@ -21,10 +21,10 @@ from suspid.io.names import (
     may_be_time,
 )
 from suspid.io.tables import Table, TimeBase
-from suspid.io.time_units import FEW_STAMPS, in_seconds
+from suspid.io.time_units import FEW_STAMPS, in_seconds, late_by, runs_beside
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
-from suspid.words import LeftOut, Number, Remark
+from suspid.words import LeftOut, Remark
 
 # What to do with a file over frequency.
 NO_SPECTRA = "records over time are needed, no spectra or frequency responses; export the time histories"
@@ -70,13 +70,16 @@ def time_column(
         better, worse = (name, kept[same]) if starts[0] > starts[1] else (kept[same], name)
         kept[same] = better
         times = {one: better if of == worse else of for one, of in times.items()} | {name: better}
-        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better, **_late(table, better, worse)})
+        stamps = [in_seconds(table, name, table.columns([name])[0]) for name in (better, worse)]
+        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better, **late_by(*stamps)})
     if len(kept) > 1:
         pairs = _pairs(table, times)
         if pairs and fs is None:
             return None, pairs, {**dict.fromkeys(kept, Remark(LeftOut.GROUP_TIME)), **said}
-        stamps = {name: in_seconds(table, name, table.columns([name])[0]) for name in kept}
-        even = [name for name, its in stamps.items() if runs_as_clock(its) and np.all(np.diff(its[: filled(its)]) > 0)]
+        its_times = {name: in_seconds(table, name, table.columns([name])[0]) for name in kept}
+        even = [
+            name for name, its in its_times.items() if runs_as_clock(its) and np.all(np.diff(its[: filled(its)]) > 0)
+        ]
         if len(even) == 1:
             said |= {**dict.fromkeys(kept, Remark(LeftOut.LIKE_TIME)), even[0]: Remark(LeftOut.TAKEN_AS_TIME)}
             return even[0], {}, said
@@ -134,18 +137,8 @@ def _same_time(table: Table, one: str, other: str) -> bool:
         return False
     first, second = (in_seconds(table, name, table.columns([name])[0]) for name in (one, other))
     with np.errstate(invalid="ignore"):
-        apart = np.abs((first - first[:1]) - (second - second[:1]))
-        step = np.median(np.abs(np.diff(second)))
-    return bool(step > 0 and np.all(apart <= step / 2))
-
-
-def _late(table: Table, one: str, other: str) -> dict[str, Number]:
-    """Return by how much another column of time runs behind one, if that is less than a sample [s]; nothing if 0."""
-    first, second = (in_seconds(table, name, table.columns([name])[0]) for name in (one, other))
-    with np.errstate(invalid="ignore"):
-        late = float(np.nanmedian(second - first))
-        step = float(np.nanmedian(np.abs(np.diff(first))))
-    return {"late": late} if 0.01 * step < abs(late) < step else {}
+        step = float(np.median(np.abs(np.diff(second))))
+        return step > 0 and runs_beside(first, second, step / 2)
 
 
 def increasing(table: Table) -> str:

@@ -142,3 +142,31 @@ def unit_remark(stamps: RealArray) -> Remark | None:
         return Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step})
     length = float(np.ptp(known)) if 0 < step < MINUTE_STEP else SHORT_RECORD
     return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / step}) if length < SHORT_RECORD else None
+
+
+def runs_beside(first: RealArray, second: RealArray, most: float) -> bool:
+    """Return whether two columns of time run alike but for their start, with at most ``most`` between them.
+
+    Examples
+    --------
+    >>> clock = np.array([0.0, 1.0, 2.0])
+    >>> runs_beside(clock, clock + 60.1, 0.5), runs_beside(clock, 2 * clock, 0.5)
+    (True, False)
+    """
+    with np.errstate(invalid="ignore"):
+        return bool(np.all(np.abs((first - first[:1]) - (second - second[:1])) <= most))
+
+
+def late_by(first: RealArray, second: RealArray) -> dict[str, float]:
+    """Return by how much a second column of time runs behind the first, if that is less than a sample; else nothing.
+
+    Examples
+    --------
+    >>> clock = np.array([0.0, 1.0, 2.0])
+    >>> late_by(clock, clock + 0.25), late_by(clock, clock + 60)
+    ({'late': 0.25}, {})
+    """
+    with np.errstate(invalid="ignore"):
+        late = float(np.nanmedian(second - first))
+        step = float(np.nanmedian(np.abs(np.diff(first))))
+    return {"late": late} if 0.01 * step < abs(late) < step else {}
