@@ -13,7 +13,7 @@ from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
 from suspid.identification.considered import Considered
 from suspid.identification.lines import clear_line
 from suspid.identification.mode_checks import LINE_OF_OTHER_MOTION, ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
-from suspid.identification.verdict import verdict_of
+from suspid.identification.verdict import STILL_THERE, _late_motion, verdict_of
 from suspid.model import ModalSet
 from suspid.records import as_response, late_start
 from suspid.signals import Signal, as_signal
@@ -96,6 +96,24 @@ class TestPrecision:
         (check,) = said(verdict_of(known_to(found, wn=1e-6, zeta=0.4)), ModeCheck.KNOWN_ROUGHLY)
         assert "damping ratio is known only to 40 %" in str(check)
         assert "frequency" not in str(check)
+
+
+class TestHeldUp:
+    @pytest.mark.parametrize("fallen", [0.36, 0.38])
+    def test_motion_that_is_largest_when_every_mode_has_fallen_is_driven(
+        self, found: Identification, fallen: float
+    ) -> None:
+        """Of a free decay the largest motion comes before its slowest mode has fallen to 1/e."""
+        delay = -np.log(fallen) / float(np.min(-found.modes.poles.real))
+        time = np.arange(3000) * delay / 2000
+        values = np.tile(np.where(np.arange(3000) == 2000, 2.0, np.cos(np.arange(3000))), (len(found.noise_std), 1))
+        late = replace(
+            found,
+            response=as_response(time, values, as_signal(found.response).channels),
+            loudness=np.full(len(found.modes), 2.0),
+        )
+        checks = [check for check in _late_motion(late) if check.level is Level.DOUBTFUL]
+        assert [check.remark.code for check in checks] == ([ModeCheck.HELD_UP] if fallen < STILL_THERE else [])
 
 
 class TestShare:

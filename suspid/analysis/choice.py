@@ -39,6 +39,7 @@ STRUCTURE = frozenset(
         ModeCheck.HALVES_DISAGREE,
         ModeCheck.GROWING,
         ModeCheck.LATE_MOTION,
+        ModeCheck.HELD_UP,
     }
 )
 # Settings that `identify` takes.

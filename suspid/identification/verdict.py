@@ -42,6 +42,9 @@ NOTICEABLE = 1.05
 # Correlations of the residual over one sample that are not those of white noise: a sensor's filter leaves less than the
 # first number. The second holds in channels of which less than the third share is explained.
 FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
+# A free decay has its largest motion before its slowest mode has fallen to this: 1/e. Two modes that beat meet again
+# sooner, or have fallen less.
+STILL_THERE = 0.37
 # A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
 NEAR_A_MODE, HARMONICS_LEFT = 0.03, 3
 
@@ -140,7 +143,14 @@ def _why_none(found: Identification) -> Iterator[Check]:
 def _late_motion(found: Identification) -> Iterator[Check]:
     signal = as_signal(held(found, "response"))
     late = late_start(signal)
-    if late is not None:
+    if late is None:
+        return
+    rates = -found.modes.poles.real
+    fallen = float(np.exp(-np.min(rates, initial=np.inf) * (late - signal.start))) if rates.size else 1.0
+    if fallen < STILL_THERE:
+        numbers: dict[str, Number] = {"delay": late - signal.start, "time": late, "fallen": fallen}
+        yield check_of(ModeCheck.HELD_UP, Level.DOUBTFUL, numbers)
+    else:
         yield check_of(ModeCheck.LATE_MOTION, Level.CARE, {"delay": late - signal.start, "time": late})
 
 

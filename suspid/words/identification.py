@@ -66,6 +66,15 @@ class ModeCheck(Code):
             )
         ),
     )
+    HELD_UP = (
+        "held up",
+        sentence(
+            lambda n: (
+                f"The largest motion comes {n['delay']:.3g} s after the start, at {n['time']:.6g} s, when "
+                f"every mode would have fallen to {_percent(n['fallen'])} or less: something drives it until then."
+            )
+        ),
+    )
     EXPLAINED = (
         "explained",
         sentence(

@@ -156,6 +156,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.GROWING: NextStep.RECORD_A_DECAY,
     ModeCheck.HARDLY_EXPLAINED: NextStep.WHICH_PART,
     ModeCheck.LATE_MOTION: NextStep.WHICH_PART,
+    ModeCheck.HELD_UP: NextStep.WHICH_PART,
     RecordCheck.DECAY: NextStep.WHICH_PART,
     RecordCheck.NEVER_SWINGS: NextStep.WHICH_PART,
     RecordCheck.LARGEST_USED: NextStep.WHICH_PART,
