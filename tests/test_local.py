@@ -65,3 +65,25 @@ def test_a_mode_that_is_not_seen_in_a_window_says_nothing_there(rate: float, *, 
     left = np.real(state * rate * (time - time.mean()))[None] + 1e-6 * np.random.default_rng(1).standard_normal(200)
     (change,) = local_changes(state, np.ones(1, complex), left, [(0, 199)])
     assert bool(change) is seen
+
+
+@pytest.mark.parametrize(
+    ("zeta", "beats"),
+    [
+        ([0.020, 0.012, 0.010, 0.012, 0.019], False),
+        ([0.010, 0.012, 0.014, 0.016, 0.018], False),
+        ([0.010, 0.014, 0.018, 0.014, 0.010], True),
+        ([0.0100, 0.0112, 0.0118, 0.0112, 0.0100], False),
+        ([0.010, 0.006, 0.002, -0.001, -0.003], True),
+        ([0.010, 0.006, 0.002, 0.001, -0.001], False),
+    ],
+)
+def test_damping_that_is_largest_between_two_amplitudes_or_feeds_the_motion_is_a_beat(
+    zeta: list[float], beats: bool
+) -> None:
+    """Bands of half a thousandth: friction and drag together damp motions between them least."""
+    (found,) = identify(as_record(decay(0)[0], timepts=STEP * np.arange(2000))).amplitude_dependence
+    size = len(zeta)
+    rows = {name: getattr(found, name)[:size] for name in ("amplitude", "wn", "wn_std", "spans")}
+    one = replace(found, **rows, zeta=np.array(zeta), zeta_std=np.full(size, 5e-4))
+    assert one.beats is beats

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ from suspid.identification.considered import Considered, beside_bent, considered
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
 from suspid.identification.exponentials import inner_products
+from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification
@@ -87,6 +89,8 @@ def by_likelihood(
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
     described = None if bent is None else _described(bent, signal, steps.count)
+    if described is not None and _beats(described[0], described[2], selection, signal.step):
+        described = None
     if bent is not None and described is not None:
         modes, loudness, dependence, growing = described
         _check_count(modes, steps.count)
@@ -125,6 +129,15 @@ def by_likelihood(
         amplitude_dependence=dependence,
         forces=found,
     )
+
+
+def _beats(modes: ModalSet, dependence: Sequence[AmplitudeDependence], selection: Selection, step: Second) -> bool:
+    """Return whether a mode that follows no law is two close ones of the linear fit, which beat."""
+    if len(modes) != 1 or not any(each.beats for each in dependence):
+        return False
+    every = selection.fit.poles.every[selection.modes] / step
+    near = np.abs(np.log(np.abs(every) / modes.wn[0])) < np.log(OTHER_FREQUENCY)
+    return int(np.sum(near & (every.imag > 0))) > 1
 
 
 def _described(

@@ -71,6 +71,8 @@ def check_amplitudes(found: Identification) -> Iterator[Check]:
     # Where all modes of a nonlinear fit fall by half in a cycle, a pulse of force without ringing looks the same.
     swings = bool(np.min(found.modes.zeta) < np.log(2) / (2 * np.pi))
     yield check_of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
+    if len(found.modes) == 1 and any(each.beats for each in found.amplitude_dependence):
+        yield check_of(ModeCheck.BEATS, Level.DOUBTFUL)
     for mode, each in enumerate(found.amplitude_dependence, 1):
         if not each.varies:
             continue

@@ -318,6 +318,11 @@ class ModeCheck(Code):
         ),
     )
     NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: the fit contains {_names(n['forces'])}.")
+    BEATS = (
+        "beats",
+        "The damping rises and falls again as the motion dies, or feeds the motion: two close modes that beat look the "
+        "same.",
+    )
     NONE_REPEATED = (
         "none repeated",
         "No mode is in more than one of the {decays} decays: whether they agree cannot be said.",

@@ -73,6 +73,17 @@ class AmplitudeDependence:
             for values, stds in pairs
         )
 
+    @property
+    def beats(self) -> bool:
+        """Whether the damping is largest between larger and smaller amplitudes, or negative, by twice the intervals.
+
+        Friction damps small motions more, drag large ones, and together those between least.
+        """
+        apart = 2 * NORMAL_95 * np.maximum(self.zeta_std[:, None], self.zeta_std)
+        above = self.zeta[:, None] - self.zeta > apart
+        largest = np.any(np.tril(above), axis=1) & np.any(np.triu(above), axis=1)
+        return bool(np.any(largest) or np.any(self.zeta < -2 * NORMAL_95 * self.zeta_std))
+
 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
     """Return the mean pole of a mode over a window, and its derivatives, (2, parameter).
