@@ -99,14 +99,21 @@ def test_the_last_swings_are_not_used_for_all(zeta: float, friction: float, tmp_
     assert np.max(np.abs(dependence.zeta / law - 1)[seen]) < 0.2
 
 
+@pytest.mark.parametrize("still", [0, 1])
 @pytest.mark.parametrize(("zeta", "size", "end"), [(0.02, 10.0, True), (0.048, 10.0, False), (0.02, 1.5, False)])
-def test_an_end_that_is_damped_otherwise_is_only_the_end(zeta: float, size: float, end: bool) -> None:
+def test_an_end_that_is_damped_otherwise_is_only_the_end(zeta: float, size: float, end: bool, still: int) -> None:
     """A tenth of the amplitude and 2.5 times the damping; the same damping, or a similar amplitude, is not."""
     noise = 1e-3 * np.random.default_rng(1).standard_normal((2, 1000))
     time = np.arange(1000) / 100
+    # A sensor that hardly moves does not tell.
+    rest = 1e-3 * np.random.default_rng(2).standard_normal((2, still, 1000))
     whole, part = (
-        identify(as_response(time, (s * np.exp(-z * 9 * time) * np.sin(9 * time) + e)[None], ["seat"]))
-        for s, z, e in ((size, zeta, noise[0]), (1.0, 0.05, noise[1]))
+        identify(
+            as_response(
+                time, np.vstack([s * np.exp(-z * 9 * time) * np.sin(9 * time) + e, r]), ["seat", "floor"][: 1 + still]
+            )
+        )
+        for s, z, e, r in ((size, zeta, noise[0], rest[0]), (1.0, 0.05, noise[1], rest[1]))
     )
     assert only_the_end(whole, part) is end
     assert not only_the_end(whole, None)

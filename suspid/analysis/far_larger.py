@@ -10,7 +10,8 @@ import numpy as np
 from suspid.analysis.used import Used
 from suspid.decays import SAME_MODE
 from suspid.identification import FEWEST_SAMPLES, Identification
-from suspid.levels import SURE
+from suspid.identification.classification import LEAST_EXPLAINED
+from suspid.levels import NORMAL_95
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.words import Note, Remark
@@ -48,7 +49,10 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
     if part is None or not len(part.modes) or not len(whole.modes):
         return False
     ours, theirs = (_energies(as_signal(held(found, "fitted"))) for found in (whole, part))
-    if set(ours) != set(theirs) or not all(ours[name] > MORE * theirs[name] for name in theirs):
+    # What a channel carries beside noise tells.
+    channels = as_signal(held(part, "fitted")).channels
+    moved = [name for name, share in zip(channels, part.explained.tolist(), strict=True) if share > LEAST_EXPLAINED]
+    if set(ours) != set(theirs) or not all(ours[name] > MORE * theirs[name] for name in moved or theirs):
         return False
     modes, ends = whole.modes, part.modes
     if modes.zeta_std is None or ends.zeta_std is None:
@@ -59,7 +63,7 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
     if whole.forces and whole.verdict.level >= part.verdict.level:
         return True
     apart = np.abs(modes.zeta[nearest] - ends.zeta)
-    sure = SURE * np.hypot(modes.zeta_std[nearest], ends.zeta_std)
+    sure = NORMAL_95 * np.hypot(modes.zeta_std[nearest], ends.zeta_std)
     return bool(np.any(apart > np.maximum(sure, UNLIKE * ends.zeta)))
 
 
