@@ -43,7 +43,7 @@ def swings_on(found: Identification, whole: control.TimeResponseData) -> NDArray
         return on
     time = part.step * np.arange(part.values.shape[1])
     left = np.exp(poles.real * time[-1])
-    periods = 2 * np.pi / np.abs(poles.imag).clip(1e-300) / part.step
+    periods = 2 * np.pi / np.abs(poles.imag * part.step).clip(1e-300)
     rows = [after.channels.index(name) for name in part.channels]
     behind = after.values[rows][:, after.timepts > part.timepts[-1] + 0.5 * part.step]
     may = np.flatnonzero((left > SWINGS_ON) & (behind.shape[1] >= PERIODS_BEHIND * periods))

@@ -134,7 +134,7 @@ class LeftOut(Code):
         sentence(
             lambda n: (
                 f"is not stated; taken as {n['unit']}, as steps of {n['step']:.4g} s are too slow for a suspension; "
-                f"give {Argument('fs')} if they are s"
+                f"give {Argument('fs')} if they are s, or finer"
             )
         ),
     )
