@@ -12,7 +12,7 @@ from suspid import Identification, Level, Verdict, add_noise, free_decay, identi
 from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
 from suspid.identification.considered import Considered
 from suspid.identification.lines import clear_line
-from suspid.identification.mode_checks import LINE_OF_OTHER_MOTION, ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
+from suspid.identification.mode_checks import LINE_OF_OTHER_MOTION, OPEN_WN, ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
 from suspid.identification.verdict import STILL_THERE, _late_motion, verdict_of
 from suspid.model import ModalSet
 from suspid.records import as_response, late_start
@@ -87,6 +87,15 @@ class TestPrecision:
         loud = replace(vague, loudness=np.full(len(vague.modes), LINE_OF_OTHER_MOTION + over))
         (check,) = said(verdict_of(loud), ModeCheck.DAMPING_UNKNOWN)
         assert check.level is (Level.DOUBTFUL if over > 0 else Level.CARE)
+
+    @pytest.mark.parametrize(("wn", "loud"), [(0.097, 2.1), (0.103, 1.9), (0.103, 2.1)])
+    def test_a_mode_of_open_frequency_in_other_motion_is_doubtful(
+        self, found: Identification, wn: float, loud: float
+    ) -> None:
+        rough = known_to(found, wn=wn, zeta=0.1)
+        checks = said(verdict_of(replace(rough, loudness=np.full(len(rough.modes), loud))), ModeCheck.KNOWN_ROUGHLY)
+        doubted = wn > OPEN_WN and loud > LINE_OF_OTHER_MOTION
+        assert {check.level for check in checks} == {Level.DOUBTFUL if doubted else Level.CARE}
 
     def test_figures_are_those_of_five_percent(self) -> None:
         # What a report calls roughly known: 5 % in frequency, 25 % in damping; unknown: an interval that reaches zero.

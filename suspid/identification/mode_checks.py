@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 
 # Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
-# Where the residual near a mode has this many times the power of white noise, a mode whose zeta is unknown is no more
-# than a line that some other motion leaves there. A smaller number doubts weak modes in noise with a little colour.
-LINE_OF_OTHER_MOTION = 2.0
+# Where the residual near a mode has this many times the power of white noise, a mode whose zeta is unknown, or whose wn
+# is open to this share, is no more than what some other motion leaves there. A smaller number doubts weak modes in
+# noise with a little colour; a smaller share those of a body that is damped heavily.
+LINE_OF_OTHER_MOTION, OPEN_WN = 2.0, 0.1
 # Phase collinearity below which the channels of a mode are out of phase.
 OUT_OF_PHASE = 0.5
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
@@ -180,7 +181,8 @@ def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
         numbers: dict[str, Number] = {"mode": k + 1}
         numbers |= {"wn": float(wn[k])} if wn[k] > ROUGH_WN else {}
         numbers |= {"zeta": float(zeta[k])} if ROUGH_ZETA < zeta[k] <= UNKNOWN_ZETA else {}
-        yield check_of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, numbers)
+        other = wn[k] > OPEN_WN and found.loudness[k] > LINE_OF_OTHER_MOTION
+        yield check_of(ModeCheck.KNOWN_ROUGHLY, Level.DOUBTFUL if other else Level.CARE, numbers)
     if np.any(pairs) and not np.any(vague | rough):
         most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
         yield check_of(ModeCheck.KNOWN, Level.SOUND, most)
