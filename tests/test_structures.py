@@ -104,6 +104,16 @@ class TestSwingsOfWhatIsShown:
         # A cubic force has a third harmonic, which tops have and the swings of a mode have not.
         assert np.max(np.abs(of_swings[used] - decrements[used])) < 0.05 * np.mean(decrements)
 
+    def test_without_a_force_they_are_those_of_the_state(self) -> None:
+        fit, _ = self.found(direct=0.05)
+        none = evaluate(fit.values, fit.drive.without_force(0), fit.noise)
+        assert none is not None
+        assert none.drive.through
+        swings = swings_of(none, 0)
+        assert swings is not None
+        rate, turn = self.THETA.real, self.THETA.imag
+        assert swings.size[:-10] / swings.size[10:] == pytest.approx(np.exp(-rate * 10 * np.pi / turn), rel=1e-4)
+
     def test_what_the_gain_says_is_an_acceleration_and_changes_nothing(self) -> None:
         gain = 0.002j
         direct = float(np.real(gain / self.THETA))

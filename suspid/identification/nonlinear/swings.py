@@ -115,7 +115,7 @@ def _shown(fit: DrivenFit, pole: int, channel: int) -> RealArray:
     beyond that is no acceleration, but changes the size of the swings as they were measured.
     """
     drive, count = fit.drive, fit.states.shape[1]
-    if not drive.through:
+    if not (drive.through and len(drive.forces)):
         return np.ones(count)
     amplitude, theta, state = fit.amplitudes[pole, channel], drive.theta[pole], fit.states[pole]
     direct = fit.coefficients[-len(drive.forces) :, channel] - np.real(amplitude * drive.gains[pole] / theta)
