@@ -20,8 +20,10 @@ from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, m
 from suspid.identification.nonlinear.feedback import Record, nonlinear_part
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of, with_friction
+from suspid.identification.nonlinear.linearised import modes_of_structure
 from suspid.identification.nonlinear.motion import Structures, motion_of
 from suspid.identification.nonlinear.structure import StructureFit, structure_of
+from suspid.identification.nonlinear.structure import evaluated as structure_evaluated
 from suspid.identification.nonlinear.swings import swings_of
 from suspid.records import as_response, cut, of_channels
 from validation import rigs
@@ -141,6 +143,23 @@ class TestMotion:
         assert np.max(np.abs(acting)) <= 1.0
         assert np.all(np.ptp(acting[:, -20:], axis=1) < 1e-6)
         assert np.max(np.abs(acting[:, -20:])) < 1.0
+
+
+def test_amplitudes_that_are_lost_in_the_noise_are_not_described() -> None:
+    """Friction has stopped both masses well before the record ends: there a mode has an amplitude, but none is seen."""
+    rig, time = replace(RIG, friction=(1.2, 0.9), damping=(0.5, 0.4)), np.arange(1200) / 250
+    exact, stop = released(rig, HELD, time)
+    assert stop < 0.7 * time[-1]
+    size = 0.02 * float(np.max(np.abs(exact)))
+    values = exact + size * np.random.default_rng(3).standard_normal(exact.shape)
+    modes = structure(rig, HELD, float(time[1]))
+    noise = WhiteNoise(least=np.zeros(2))
+    record = Record(values=values, noise=noise, theta=modes.theta[0], amplitudes=modes.shapes[0], nuisances=np.zeros(1))
+    fit = structure_evaluated(record, modes, 0)
+    _, _, described = modes_of_structure(fit, timepts=time, channels=("one", "two"))
+    assert [len(each.amplitude) for each in described] == [5, 1]
+    assert np.min(described[0].amplitude) > 3 * size
+    assert described[0].spans[-1][1] < stop
 
 
 class TestMotionOfSmoothForces:

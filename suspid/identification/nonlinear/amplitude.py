@@ -13,12 +13,14 @@ from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
 from suspid.identification.nonlinear.local import local_changes
 from suspid.identification.nonlinear.swings import by_pole, cuts_of, mean_of, swings_of
-from suspid.levels import NORMAL_95
+from suspid.levels import NORMAL_95, SURE
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
+# Cycles of the slowest mode that are described at least, however weak a mode is.
+CYCLES_DESCRIBED = 2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -113,9 +115,15 @@ def _equivalent_pole(fit: DrivenFit, pole: int, window: slice) -> tuple[complex,
 
 
 def _part_pairs(fit: DrivenFit, pole: int) -> list[tuple[int, int]]:
-    """Return first and last samples of the parts of a decay between which a mode falls by about equal parts."""
-    envelope = np.log(np.abs(fit.states[pole]) + 1e-300)
+    """Return first and last samples of the parts of a decay between which a mode falls by about equal parts.
+
+    What is lost in the noise of every channel was not met.
+    """
     cycle = int(np.ceil(2 * np.pi / float(np.min(np.abs(fit.drive.theta.imag)))))
+    above = float(np.max(np.abs(fit.amplitudes[pole]) / np.sqrt(fit.variance)))
+    seen = np.flatnonzero(above * np.abs(fit.states[pole]) > SURE)
+    end = max(int(seen[-1]) if seen.size else 0, CYCLES_DESCRIBED * cycle)
+    envelope = np.log(np.abs(fit.states[pole, : end + 1]) + 1e-300)
     return list(pairwise(cuts_of(envelope, least=max(8, cycle))))
 
 

@@ -152,7 +152,9 @@ def _dependence(
     strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
     envelope = np.log(np.abs(fit.amplitudes[pole, strongest] * fit.motion.states[0, pole]) + 1e-300)
     cycle = int(np.ceil(2 * np.pi / float(np.min(fit.theta.imag))))
-    spans = list(pairwise(cuts_of(envelope, least=max(8, cycle))))
+    parts = list(pairwise(cuts_of(envelope, least=max(8, cycle))))
+    # What is lost in the noise was not met.
+    spans = [(a, b) for a, b in parts if _seen(fit, slice(a, b + 1))[pole]] or parts[:1]
     near, poles, stds = fit.nearby, np.empty(len(spans), complex), np.empty((len(spans), 2))
     for i, (a, b) in enumerate(spans):
         window = slice(a, b + 1)
