@@ -99,7 +99,7 @@ def _used(record: control.TimeResponseData) -> Used:
 
 def test_a_real_pole_of_a_record_of_microseconds_does_not_overflow() -> None:
     """A capacitor that discharges: it turns never, and the steps are 2e-8 s."""
-    time = 2e-8 * np.arange(1000)
+    time = 2e-8 * np.arange(1000.0)
     noise = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
     record = as_response(time, (np.exp(-4e5 * time) + noise)[None], ["voltage"])
     assert not swings_on(of(record), record).any()
