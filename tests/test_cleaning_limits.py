@@ -52,13 +52,17 @@ class TestClipping:
         assert all(clipped_run(values, largest=largest) is not None for largest in (True, False))
         assert clipped_run(swing[k - (k % 4 == 3)], largest=True) is None
 
-    @pytest.mark.parametrize("start", [0.0, 0.21, 0.43])
-    def test_a_slow_crest_in_coarse_steps_with_a_value_between_two_is_not_clipped(self, start: float) -> None:
-        """A sensor of .2 mm that turns back after 9 mm: ten samples are the same, and one value lies between steps."""
+    @pytest.mark.parametrize("start", [0.0, 0.3, 0.6])
+    def test_a_slow_crest_in_coarse_steps_with_values_between_two_is_not_clipped(self, start: float) -> None:
+        """A sensor of .2 mm that turns back after 9 mm: every third sample is a mean of two, one lies between steps."""
         t = np.arange(2500) / 200 + start
-        values = np.round(45 * np.exp(-0.01 * t) * np.cos(2 * np.pi * 1.35 * t)) * 2e-4
-        values[1203] += 1e-5
+        swing = 9 * np.exp(-0.05 * t) * np.cos(2 * np.pi * 0.6 * t)
+        values = np.round(swing / 0.2) * 0.2
+        values[::3] = np.round(swing[::3], 1)
+        values[1203] += 0.01
         assert all(clipped_run(values, largest=largest) is None for largest in (True, False))
+        cut_off = np.minimum(values, 0.6 * np.max(values))
+        assert clipped_run(cut_off, largest=True) is not None
 
     def test_a_release_that_is_not_seen_from_its_first_sample_on_is_none(self) -> None:
         """However the samples lie about a release, a mass at rest leaves with a third of the next step at most."""

@@ -1,12 +1,17 @@
 """Poles at sums and differences of modes: motion that is not quite linear, and modes that lie there by chance."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from suspid import Identification, identify
+from suspid.identification.considered import considered_of
 from suspid.identification.harmonics import combination_of, multiple_of
+from suspid.identification.poles import Poles
 from suspid.records import as_response
-from suspid.words import Reason
+from suspid.words import Level, ModeCheck, Number, Reason
 
 
 def found(hertz: list[float], sizes: list[float], rates: list[float], *, size: float = 1e-4) -> Identification:
@@ -99,6 +104,16 @@ class TestCombinations:
         assert combination_of(modes, complex(-0.7, 2 * np.pi * 4.32)) == (1, 2, "difference")
 
 
+def test_a_multiple_of_no_mode_is_said_to_be_one() -> None:
+    """The mode itself is not determined: none is left to name."""
+    modes = found([3.0, 6.0], [1.0, 0.02], [0.2, 0.4]).modes
+    poles = Poles(pairs=np.array([-0.01 + 0.3j]), reals=np.zeros(0), nuisances=np.zeros(1))
+    for reason in (Reason.HARMONIC, Reason.COMBINATION):
+        selection: Any = SimpleNamespace(fit=SimpleNamespace(poles=poles), reasons=(reason,), rejected=())
+        (one,) = considered_of(selection, modes[:0], 0.01)
+        assert (one.remark.code, one.removed) == (Reason.OF_NO_MODE, True)
+
+
 def test_a_short_burst_has_no_mode_of_unknown_frequency_and_damping() -> None:
     # Six poles fit the 86 samples of a phone that falls; four have neither.
     time = np.arange(60) / 100
@@ -114,21 +129,24 @@ def test_a_short_burst_has_no_mode_of_unknown_frequency_and_damping() -> None:
 
 
 class TestFlashes:
-    """A switch rings for an instant beside a decay of 200 time constants of it; what lasts or weighs more is a mode."""
+    """A switch rings for nine samples beside a decay of 200 time constants; what lasts or swings longer is known."""
 
     @staticmethod
-    def hertz(*, size: float = 1.0, rate: float = 180.0, cycles: float = 1.5) -> list[float]:
-        """Return the frequencies [Hz] found beside two modes of 17 and 19 Hz that decay at .9 and .8 per second."""
-        time = np.arange(8000) / 2000
+    def doubted(*, rate: float = 210.0, cycles: float = 1.5, every: float = 1.0) -> list[Number]:
+        """Return the modes that may be a flash, beside two of 17 and 19 Hz that decay at .9 and .8 per second."""
+        time = np.arange(round(8000 * every)) / (2000 * every)
         motion = sum(np.exp(-r * time) * np.cos(2 * np.pi * f * time + 0.3 * f) for f, r in ((17.0, 0.9), (19.0, 0.8)))
-        flash = size * np.exp(-rate * time) * np.cos(2 * np.pi * cycles * rate * time)
+        flash = np.exp(-rate * time) * np.cos(2 * np.pi * cycles * rate * time)
         noise = 2e-3 * np.random.default_rng(8).standard_normal((1, time.size))
-        modes = identify(as_response(time, motion + flash + noise, ["body"])).modes
-        return [float(round(wn / (2 * np.pi))) for wn in modes.wn.tolist()]
+        one = identify(as_response(time, motion + flash + noise, ["body"]))
+        assert len(one.modes) == 3
+        checks = [check for check in one.verdict.checks if check.remark.code is ModeCheck.FLASH]
+        assert all(check.level is Level.DOUBTFUL for check in checks)
+        return [check.remark.numbers["modes"] for check in checks]
 
-    def test_one_is_no_mode(self) -> None:
-        assert self.hertz() == [17.0, 19.0]
+    def test_one_is_doubtful(self) -> None:
+        assert self.doubted() == [(3,)]
 
-    @pytest.mark.parametrize("changed", [{"size": 4.0}, {"rate": 60.0}, {"cycles": 4.0}])
-    def test_with_more_energy_time_or_cycles_it_is_a_mode(self, changed: dict[str, float]) -> None:
-        assert len(self.hertz(**changed)) == 3
+    @pytest.mark.parametrize("changed", [{"rate": 60.0}, {"cycles": 4.0}, {"every": 3}])
+    def test_what_lasts_for_more_time_cycles_or_samples_is_not(self, changed: dict[str, float]) -> None:
+        assert self.doubted(**changed) == []

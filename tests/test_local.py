@@ -11,6 +11,7 @@ from suspid.identification.nonlinear.local import local_changes
 from suspid.levels import NORMAL_95
 from suspid.records import as_response
 from suspid.units import RealArray
+from suspid.words import Level, ModeCheck
 
 STEP = 0.02
 
@@ -87,3 +88,15 @@ def test_damping_that_is_largest_between_two_amplitudes_or_feeds_the_motion_is_a
     rows = {name: getattr(found, name)[:size] for name in ("amplitude", "wn", "wn_std", "spans")}
     one = replace(found, **rows, zeta=np.array(zeta), zeta_std=np.full(size, 5e-4))
     assert one.beats is beats
+    alone = replace(identify(as_record(decay(0)[0], timepts=STEP * np.arange(2000))), amplitude_dependence=(one,))
+    checks = [check.level for check in alone.verdict.checks if check.remark.code is ModeCheck.BEATS]
+    assert checks == [Level.DOUBTFUL] * beats
+
+
+def test_a_ripple_of_some_percent_is_no_beat() -> None:
+    """Windows of a bilinear spring end at halves of cycles that differ; the bands are those of white noise."""
+    (found,) = identify(as_record(decay(0)[0], timepts=STEP * np.arange(2000))).amplitude_dependence
+    for ripple, beats in ((0.15, False), (0.25, True)):
+        zeta = np.array([1 - ripple, 1, 1 - ripple, 1, 1 - ripple])
+        rows = {name: getattr(found, name)[:5] for name in ("amplitude", "wn", "wn_std", "spans")}
+        assert replace(found, **rows, zeta=0.02 * zeta, zeta_std=np.full(5, 1e-5)).beats is beats

@@ -112,8 +112,11 @@ class TestHeldUp:
     def test_motion_that_is_largest_when_every_mode_has_fallen_is_driven(
         self, found: Identification, fallen: float
     ) -> None:
-        """Of a free decay the largest motion comes before its slowest mode has fallen to 1/e."""
-        delay = -np.log(fallen) / float(np.min(-found.modes.poles.real))
+        """Of a free decay of one mode the largest motion comes before it has fallen to 1/e."""
+        pairs = int(np.sum(found.modes.poles.imag > 0))
+        assert pairs == 3
+        # Three masses may pass a motion on: then it falls to 1/e twice before the last has it.
+        delay = -pairs * np.log(fallen) / float(np.min(-found.modes.poles.real))
         time = np.arange(3000) * delay / 2000
         values = np.tile(np.where(np.arange(3000) == 2000, 2.0, np.cos(np.arange(3000))), (len(found.noise_std), 1))
         late = replace(

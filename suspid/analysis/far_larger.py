@@ -9,8 +9,7 @@ import numpy as np
 
 from suspid.analysis.used import Used
 from suspid.decays import SAME_MODE
-from suspid.identification import FEWEST_SAMPLES, Identification
-from suspid.identification.classification import LEAST_EXPLAINED
+from suspid.identification import FEWEST_SAMPLES, LEAST_EXPLAINED, Identification
 from suspid.levels import NORMAL_95
 from suspid.samples import held
 from suspid.signals import Signal, as_signal

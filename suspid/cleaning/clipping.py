@@ -18,9 +18,9 @@ CLIPPED = 3
 # Samples on each side in which equal neighbours are counted: how often noise of a few steps repeats a value by chance.
 BESIDE = 20
 # A channel is in coarse steps from this share of repeats on, and of values on one side of a crest that are met on the
-# other: a sensor that is read too often repeats each, but meets none again. This share of its steps may be smaller than
-# one of the converter, as interpolated values lie between two.
-MET_AGAIN, BETWEEN_STEPS = 0.2, 0.1
+# other: a sensor that is read too often repeats each, but meets none again. A crest within one step has fallen by this
+# many at twice its length at most: four, and one for where the steps begin.
+MET_AGAIN, FALLEN_STEPS = 0.2, 5.0
 # The first step from rest over the growth of the next is at most one half where the force is steady, and this where it
 # changes as in an eighth of a cycle. With more, most crests that are cut off seem to leave from rest.
 FROM_REST = 0.8
@@ -44,8 +44,8 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
         return None
     steps = np.abs(np.diff(samples))
     counts = after - first
-    step = _step_beside(samples, steps, int(first[np.argmax(counts)]), int(np.max(counts)))
-    left = ~_from_rest(samples, first, after, 3 * step)
+    left = ~_from_rest(samples, first, after, 3 * float(np.min(steps[steps > 0], initial=np.inf)))
+    left &= ~_slow_crests(samples, steps, first, after)
     cut_off = left & (counts >= CLIPPED) & (counts <= 0.5 * samples.size)
     if not cut_off.any():
         return None
@@ -74,19 +74,26 @@ def is_clipped(samples: RealArray) -> bool:
     return any(clipped_run(samples, largest=largest) is not None for largest in (True, False))
 
 
-def _step_beside(samples: RealArray, steps: RealArray, first: int, count: int) -> float:
-    """Return the step of the converter, given the differences of samples and a run at the limit of a channel.
+def _slow_crests(samples: RealArray, steps: RealArray, first: Indices, after: Indices) -> NDArray[np.bool_]:
+    """Return which runs at a limit are crests within one step of a converter, (run,).
 
-    That is the smallest one; where values beside the run repeat and are met again, nearly the smallest of those there.
+    A crest that stays within a step for a time has fallen by four at that time from its middle. Nothing is told of
+    channels that are not in coarse steps.
     """
-    near = slice(max(0, first - BESIDE), first + count + BESIDE)
-    others = steps[near][samples[near][: steps[near].size] != samples[first]]
-    before, past = np.unique(samples[near.start : first]), samples[first + count : near.stop]
+    counts = after - first
+    longest = int(np.argmax(counts))
+    near = slice(max(0, int(first[longest]) - BESIDE), int(after[longest]) + BESIDE)
+    others = steps[near][samples[near][: steps[near].size] != samples[first[longest]]]
+    before, past = np.unique(samples[near.start : first[longest]]), samples[after[longest] : near.stop]
     # At another limit a channel stays again and again, too.
     again = np.isin(before[(before > np.min(samples)) & (before < np.max(samples))], past)
-    if np.count_nonzero(others) and np.mean(others == 0) > MET_AGAIN and again.size and np.mean(again) > MET_AGAIN:
-        return float(np.quantile(others[others > 0], BETWEEN_STEPS))
-    return float(np.min(steps[steps > 0], initial=np.inf))
+    if not np.count_nonzero(others) or np.mean(others == 0) < MET_AGAIN or not again.size or np.mean(again) < MET_AGAIN:
+        return np.zeros(len(first), bool)
+    half, last = (counts + 1) // 2, samples.size - 1
+    fallen = [
+        np.abs(samples[at] - samples[first]) for at in (np.maximum(first - half, 0), np.minimum(after - 1 + half, last))
+    ]
+    return np.asarray(np.maximum(*fallen) <= FALLEN_STEPS * float(np.median(others[others > 0])))
 
 
 def _from_rest(samples: RealArray, first: Indices, after: Indices, step: float) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ them: `exponentials` and `poles` (inner products), `noise` (least variance, like
 (channel, sample), poles per sample.
 """
 
+from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.considered import Considered
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
@@ -41,6 +42,7 @@ __all__ = [
     "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
     "FORCED",
+    "LEAST_EXPLAINED",
     "MOST_PAIRS",
     "UNIFORM_STD",
     "AmplitudeDependence",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -18,7 +17,6 @@ from suspid.identification.considered import Considered, beside_bent, considered
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
 from suspid.identification.exponentials import inner_products
-from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification
@@ -31,7 +29,7 @@ from suspid.identification.nonlinear import (
     unlike_linear,
 )
 from suspid.identification.ongoing import without_lines
-from suspid.identification.pulses import without_beginning, without_flashes, without_pulse
+from suspid.identification.pulses import without_beginning, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.levels import NORMAL_95
@@ -89,8 +87,6 @@ def by_likelihood(
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
     described = None if bent is None else _described(bent, signal, steps.count)
-    if described is not None and _beats(described[0], described[2], selection, signal.step):
-        described = None
     if bent is not None and described is not None:
         modes, loudness, dependence, growing = described
         _check_count(modes, steps.count)
@@ -99,8 +95,7 @@ def by_likelihood(
     else:
         if steps.count is None:
             selection = with_changing(selection, centred, noise, limits)
-            selection = without_flashes(without_beginning(without_comb(without_lines(selection))))
-            selection = without_pulse(selection, centred)
+            selection = without_pulse(without_beginning(without_comb(without_lines(selection))), centred)
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
@@ -129,15 +124,6 @@ def by_likelihood(
         amplitude_dependence=dependence,
         forces=found,
     )
-
-
-def _beats(modes: ModalSet, dependence: Sequence[AmplitudeDependence], selection: Selection, step: Second) -> bool:
-    """Return whether a mode that follows no law is two close ones of the linear fit, which beat."""
-    if len(modes) != 1 or not any(each.beats for each in dependence):
-        return False
-    every = selection.fit.poles.every[selection.modes] / step
-    near = np.abs(np.log(np.abs(every) / modes.wn[0])) < np.log(OTHER_FREQUENCY)
-    return int(np.sum(near & (every.imag > 0))) > 1
 
 
 def _described(

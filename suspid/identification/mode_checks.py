@@ -42,6 +42,9 @@ SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
 BROAD_BESIDE_NARROW = 3.0
 # And their frequencies are this near: no damping moves one further.
 ONE_FREQUENCY = 1.1
+# What swings for this many samples and cycles at most, until it has fallen to 1/e, and is over within this share of the
+# time of another mode, may be a flash: a switch or a contact makes such. Wheels take a tenth of the time of a body.
+FLASH_SAMPLES, FLASH_CYCLES, FLASH_TIME = 10.0, 3.0, 0.01
 # A mode that makes this many cycles before it has fallen to 1/e is plain to see. A pulse of force makes fewer, and
 # noise in a band keeps its phase for fewer.
 MANY_CYCLES = 10.0
@@ -134,6 +137,17 @@ def check_rows(found: Identification) -> Iterator[Check]:
         if row.size > len(found.noise_std) + TOLD_BY_FREQUENCY:
             modes = tuple(sorted(int(number) + 1 for number in row))
             yield check_of(ModeCheck.IN_A_ROW, Level.DOUBTFUL, {"modes": modes, "channels": len(found.noise_std)})
+
+
+def check_flashes(found: Identification) -> Iterator[Check]:
+    """Check that no mode is over in a few samples, long before the others have begun to decay."""
+    poles, step = found.modes.poles, as_signal(held(found, "response")).step
+    falls = -poles.real
+    brief = (poles.imag > 0) & (falls * step > 1 / FLASH_SAMPLES) & ~np.isfinite(found.halves)
+    brief &= np.abs(poles.imag) < 2 * np.pi * FLASH_CYCLES * falls
+    brief &= falls * FLASH_TIME > np.min(falls, initial=np.inf)
+    if np.any(brief):
+        yield check_of(ModeCheck.FLASH, Level.DOUBTFUL, {"modes": numbers_of(brief)})
 
 
 def check_followed(found: Identification) -> Iterator[Check]:

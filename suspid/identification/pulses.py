@@ -26,11 +26,6 @@ FORCED = frozenset({Reason.A_FEW_SAMPLES, Reason.BEGINNING})
 # One or two pairs are known by their gain alone.
 FEWEST_TOGETHER = 3
 
-# A flash is over within this share of the time in which the modes decay, after the second number of cycles at most, and
-# has the third share of the energy at most: a switch or a contact makes such. Wheels decay at a tenth of the time of a
-# body, and more slowly than this; high modes of a beam swing more often, and a mode beside a weak line has more energy.
-FLASH_TIME, FLASH_CYCLES, FLASH_ENERGY = 0.01, 3.0, 0.02
-
 
 def without_pulse(selection: Selection, values: RealArray) -> Selection:
     """Return the poles of a record, of which none is a mode where they follow a pulse of force rather than a decay.
@@ -69,23 +64,6 @@ def without_beginning(selection: Selection) -> Selection:
     reasons = list(selection.reasons)
     for k in order[: together[-1]].tolist():
         reasons[k] = Reason.BEGINNING
-    return replace(selection, reasons=tuple(reasons))
-
-
-def without_flashes(selection: Selection) -> Selection:
-    """Return the poles of a record, of which those are no modes that are over before the others have begun to decay."""
-    fit, modes = selection.fit, selection.modes
-    modes = modes[modes < len(fit.poles.pairs)]
-    poles = fit.poles.pairs[modes]
-    falls = -poles.real
-    if len(modes) < 2 or not np.all(falls > 0):
-        return selection
-    energies = np.sum(np.abs(fit.amplitudes[modes]) ** 2 / (fit.squares + 1e-300), axis=1) / falls
-    # A flash swings for its time constant.
-    brief = (falls * FLASH_TIME > np.min(falls)) & (np.abs(poles.imag) < 2 * np.pi * FLASH_CYCLES * falls)
-    reasons = list(selection.reasons)
-    for k in np.flatnonzero(brief & (energies < FLASH_ENERGY * np.sum(energies[~brief]))).tolist():
-        reasons[int(modes[k])] = Reason.BEGINNING
     return replace(selection, reasons=tuple(reasons))
 
 

@@ -13,6 +13,7 @@ from suspid.identification.lines import clear_line
 from suspid.identification.mode_checks import (
     check_amplitudes,
     check_cycles,
+    check_flashes,
     check_followed,
     check_halves,
     check_of,
@@ -42,8 +43,8 @@ NOTICEABLE = 1.05
 # Correlations of the residual over one sample that are not those of white noise: a sensor's filter leaves less than the
 # first number. The second holds in channels of which less than the third share is explained.
 FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
-# A free decay has its largest motion before its slowest mode has fallen to this: 1/e. Two modes that beat meet again
-# sooner, or have fallen less.
+# A free decay of one mode has its largest motion before that has fallen to this: 1/e. Where n masses pass a motion on,
+# the last has it when they have fallen to this to the power of n - 1; one power is left for noise.
 STILL_THERE = 0.37
 # A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
 NEAR_A_MODE, HARMONICS_LEFT = 0.03, 3
@@ -89,6 +90,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_parts(found)
     yield from check_rows(found)
     yield from check_followed(found)
+    yield from check_flashes(found)
     few = list(_few_samples(found))
     yield from few
     blind = () if found.forces else numbers_of(~np.isfinite(found.halves) & (np.array(found.modes.kinds) == "pair"))
@@ -147,7 +149,7 @@ def _late_motion(found: Identification) -> Iterator[Check]:
         return
     rates = -found.modes.poles.real
     fallen = float(np.exp(-np.min(rates, initial=np.inf) * (late - signal.start))) if rates.size else 1.0
-    if fallen < STILL_THERE:
+    if fallen < STILL_THERE ** max(1, int(np.sum(found.modes.poles.imag > 0))):
         numbers: dict[str, Number] = {"delay": late - signal.start, "time": late, "fallen": fallen}
         yield check_of(ModeCheck.HELD_UP, Level.DOUBTFUL, numbers)
     else:

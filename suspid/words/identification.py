@@ -318,6 +318,15 @@ class ModeCheck(Code):
         ),
     )
     NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: the fit contains {_names(n['forces'])}.")
+    FLASH = (
+        "flash",
+        sentence(
+            lambda n: (
+                f"{_modes(n['modes']).capitalize()} {'are' if _several(n['modes']) else 'is'} over in a few samples, "
+                "long before the others have begun to decay: a switch or a contact at the release looks the same."
+            )
+        ),
+    )
     BEATS = (
         "beats",
         "The damping rises and falls again as the motion dies, or feeds the motion: two close modes that beat look the "

@@ -113,7 +113,7 @@ class LeftOut(Code):
         "same_time",
         sentence(
             lambda n: (
-                f"runs {float(str(n['late'])):+.3g} s from {n['other']!r}, less than a sample: one is used for both"
+                f"runs {float(str(n['late'])):+.3g} s from {n['other']!r}: one is used for both"
                 if n.get("late")
                 else f"is the same time as {n['other']!r}"
             )

@@ -37,7 +37,7 @@ class Reason(Code):
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
     BEGINNING = (
         "beginning",
-        "alone or together with others it fits only the first samples: motion before the free decay",
+        "together with others it fits only the first samples: motion before the free decay",
     )
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
     BEYOND = "beyond", "weaker than the requested modes"

@@ -19,6 +19,9 @@ from suspid.values import frozen_real
 
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
+# Share of the largest damping by which it is larger at one amplitude than at others. A smaller one takes the ripple of
+# bilinear springs for a beat.
+RIPPLE = 0.2
 # Cycles of the slowest mode that are described at least, however weak a mode is.
 CYCLES_DESCRIBED = 2
 
@@ -79,9 +82,11 @@ class AmplitudeDependence:
     def beats(self) -> bool:
         """Whether the damping is largest between larger and smaller amplitudes, or negative, by twice the intervals.
 
-        Friction damps small motions more, drag large ones, and together those between least.
+        Friction damps small motions more, drag large ones, and together those between least. Where parts end within a
+        cycle of a bilinear spring, the damping ripples by some percent; by less than `RIPPLE` it is not larger.
         """
         apart = 2 * NORMAL_95 * np.maximum(self.zeta_std[:, None], self.zeta_std)
+        apart = np.maximum(apart, RIPPLE * np.max(np.abs(self.zeta)))
         above = self.zeta[:, None] - self.zeta > apart
         largest = np.any(np.tril(above), axis=1) & np.any(np.triu(above), axis=1)
         return bool(np.any(largest) or np.any(self.zeta < -2 * NORMAL_95 * self.zeta_std))
