@@ -116,9 +116,11 @@ class TestSwingsOfWhatIsShown:
         rate, turn = self.THETA.real, self.THETA.imag
         assert swings.size[:-10] / swings.size[10:] == pytest.approx(np.exp(-rate * 10 * np.pi / turn), rel=1e-4)
 
-    def test_what_the_gain_says_is_an_acceleration_and_changes_nothing(self) -> None:
+    @pytest.mark.parametrize("share", [0.0, 1.0])
+    def test_what_the_gain_says_is_an_acceleration_and_changes_nothing(self, share: float) -> None:
+        """Nor does a displacement, in which the force does not show at all."""
         gain = 0.002j
-        direct = float(np.real(gain / self.THETA))
+        direct = share * float(np.real(gain / self.THETA))
         fit, _ = self.found(direct=direct, gain=gain)
         without = replace(fit, drive=replace(fit.drive, through=False))
         one, other = swings_of(fit, 0), swings_of(without, 0)

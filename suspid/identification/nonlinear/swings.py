@@ -14,6 +14,8 @@ from suspid.units import ComplexArray, RealArray
 
 # A turn that the record misses by at most 3 samples, and by less than this share of a swing, is one of its turns.
 MISSED, MISSED_SHARE = 3.0, 0.1
+# A force shows as in an acceleration if that lies within this share of what its gain says.
+LIKE_AN_ACCELERATION = 0.5
 # A state that falls by this many e-foldings within the samples before the record is not continued there: 1e-100.
 FASTEST_FALL = 230.0
 
@@ -111,14 +113,15 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
 def _shown(fit: DrivenFit, pole: int, channel: int) -> RealArray:
     """Return by what factor the swings of a channel are larger than those of the state, (sample,).
 
-    Forces show in accelerations at once, as much as their gains say: that is the swing of the state. What they show
-    beyond that is no acceleration, but changes the size of the swings as they were measured.
+    Forces show in accelerations at once, about as much as their gains say: the swings are those of the state then. A
+    force that shows otherwise is no acceleration, and changes the size of the swings as they were measured.
     """
     drive, count = fit.drive, fit.states.shape[1]
     if not (drive.through and len(drive.forces)):
         return np.ones(count)
     amplitude, theta, state = fit.amplitudes[pole, channel], drive.theta[pole], fit.states[pole]
-    direct = fit.coefficients[-len(drive.forces) :, channel] - np.real(amplitude * drive.gains[pole] / theta)
+    direct, told = fit.coefficients[-len(drive.forces) :, channel], np.real(amplitude * drive.gains[pole] / theta)
+    direct = np.where(np.abs(direct - told) < LIKE_AN_ACCELERATION * np.abs(told), 0.0, direct)
     cycle = max(1, round(2 * np.pi / abs(theta.imag)))
     # The part of the forces in step with the state, cycle by cycle.
     turned = 2 * (direct @ drive.forces) * state.conj() / (amplitude * np.abs(state) ** 2 + 1e-300)
