@@ -46,3 +46,26 @@ def test_three_tones_are_no_comb() -> None:
 def test_what_is_near_a_tooth_by_chance_is_no_comb() -> None:
     """Of a short record every frequency is near a multiple."""
     assert shared_frequency(np.array([10.0, 20.0, 30.0, 50.0]), 1.0) is None
+
+
+class TestOvertones:
+    """A tone of 3 Hz that does not decay, and beside it a motion that hardly does: .7 nepers in 20 s."""
+
+    @staticmethod
+    def removed(*, hertz: float = 6.0, size: float = 0.1, rate: float = 0.035) -> bool:
+        """Return whether the other motion is a harmonic of the tone; if not, it is a mode."""
+        time = np.arange(1200) / 60
+        motion = np.cos(2 * np.pi * 3.0 * time) + size * np.exp(-rate * time) * np.cos(2 * np.pi * hertz * time + 1)
+        noise = 1e-3 * np.random.default_rng(2).standard_normal((1, time.size))
+        found = identify(as_response(time, motion + noise, ["side"]))
+        named = [one for one in found.considered if one.remark.code is Reason.OF_TONE]
+        assert len(found.modes) + len(named) == 1
+        return bool(named)
+
+    @pytest.mark.parametrize("hertz", [6.0, 9.0])
+    def test_at_twice_or_three_times_its_frequency_it_is_a_harmonic(self, hertz: float) -> None:
+        assert self.removed(hertz=hertz)
+
+    @pytest.mark.parametrize("changed", [{"hertz": 6.03}, {"hertz": 12.0}, {"size": 1.5}, {"rate": 0.2}])
+    def test_beside_it_or_larger_or_decaying_it_is_a_mode(self, changed: dict[str, float]) -> None:
+        assert not self.removed(**changed)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from suspid.errors import IdentificationError
 from suspid.identification.changing import with_changing
 from suspid.identification.classification import SAMPLES_EACH
-from suspid.identification.combs import without_comb
+from suspid.identification.combs import without_comb, without_overtones
 from suspid.identification.considered import Considered, beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
@@ -95,7 +95,9 @@ def by_likelihood(
     else:
         if steps.count is None:
             selection = with_changing(selection, centred, noise, limits)
-            selection = without_pulse(without_beginning(without_comb(without_lines(selection))), centred)
+            selection = without_pulse(
+                without_beginning(without_overtones(without_comb(without_lines(selection)))), centred
+            )
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)

@@ -23,6 +23,8 @@ HIGHEST_FIRST = 4
 # What falls by less than this many nepers within the record, at a tooth, is driven: what drives it changes by as much.
 # A smaller number takes lines of drifting size for modes.
 LASTING = 3.0
+# Multiples of a tone at which a weaker pole is one of its harmonics. Higher ones are met by chance.
+OVERTONES = (2, 3)
 
 
 def without_comb(selection: Selection) -> Selection:
@@ -40,6 +42,25 @@ def without_comb(selection: Selection) -> Selection:
     driven = (_off(poles.imag, shared) < reach) & (-poles.real * count < LASTING)
     for k in np.flatnonzero(driven).tolist():
         reasons[k] = reasons[k] or Reason.COMB
+    return replace(selection, reasons=tuple(reasons))
+
+
+def without_overtones(selection: Selection) -> Selection:
+    """Return the poles of a record, of which those that hardly decay, at multiples of stronger tones, are no modes.
+
+    A pendulum that is seen from the side moves up and down twice in a cycle. If it hardly decays, neither does that.
+    """
+    poles, count = selection.fit.poles.pairs, selection.fit.count
+    sizes = np.sum(np.abs(selection.fit.amplitudes[: len(poles)]) ** 2 / (selection.fit.squares + 1e-300), axis=1)
+    reasons = list(selection.reasons)
+    steady = [k for k in range(len(poles)) if reasons[k] in STEADY]
+    for k in range(len(poles)):
+        if reasons[k] is not None or -poles[k].real * count >= LASTING:
+            continue
+        tones = poles.imag[[j for j in steady if sizes[j] > sizes[k]]]
+        off = np.abs(np.array(OVERTONES)[:, None] * tones - poles[k].imag)
+        if np.min(off, initial=np.inf) < OFF_TOOTH * 2 * np.pi / count:
+            reasons[k] = Reason.OF_TONE
     return replace(selection, reasons=tuple(reasons))
 
 

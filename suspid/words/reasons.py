@@ -13,6 +13,10 @@ class Reason(Code):
     GROWING = "growing", "it grows"
     LINE = "line", "part of a steady line: rotating parts of varying speed"
     COMB = "comb", "it hardly decays, at a multiple of the frequency that the steady tones share: it is driven"
+    OF_TONE = (
+        "of tone",
+        "it hardly decays, at a multiple of the frequency of a stronger steady tone: a harmonic of that",
+    )
     PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
     BY_CHANCE = (
         "by chance",
