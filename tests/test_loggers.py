@@ -130,6 +130,8 @@ class TestColumnsThatMeasureNothing:
         first, second, drift = (
             [f"{t * pace + late:.6f}" for t in TIMES] for pace, late in ((1, 0), (1, 0.012), (2, 0))
         )
+        # The second sensor stops before the first.
+        second = [*second[:-4], *[""] * 4]
         path = table(tmp_path / "a.csv", first, SAMPLES, second, SAMPLES[::-1], drift)
         recording = read_recording(path)
         assert [channel.name for channel in recording.channels] == ["column 2", "column 4", "column 5"]

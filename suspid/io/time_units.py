@@ -147,14 +147,17 @@ def unit_remark(stamps: RealArray) -> Remark | None:
 def runs_beside(first: RealArray, second: RealArray, most: float) -> bool:
     """Return whether two columns of time run alike but for their start, with at most ``most`` between them.
 
+    One may end before the other, after more than half of it.
+
     Examples
     --------
     >>> clock = np.array([0.0, 1.0, 2.0])
     >>> runs_beside(clock, clock + 60.1, 0.5), runs_beside(clock, 2 * clock, 0.5)
     (True, False)
     """
-    with np.errstate(invalid="ignore"):
-        return not np.any(np.abs((first - first[:1]) - (second - second[:1])) > most)
+    apart = np.abs((first - first[:1]) - (second - second[:1]))
+    known = np.isfinite(apart)
+    return bool(2 * np.count_nonzero(known) > known.size and np.all(apart[known] <= most))
 
 
 def late_by(first: RealArray, second: RealArray) -> dict[str, float]:
