@@ -134,8 +134,23 @@ class TestColumnsThatMeasureNothing:
         second = [*second[:-4], *[""] * 4]
         path = table(tmp_path / "a.csv", first, SAMPLES, second, SAMPLES[::-1], drift)
         recording = read_recording(path)
-        assert [channel.name for channel in recording.channels] == ["column 2", "column 4", "column 5"]
-        assert dict(recording.left_out)["column 3"].code is LeftOut.SAME_TIME
+        assert [channel.name for channel in recording.channels] == ["column 2", "column 4"]
+        left_out = dict(recording.left_out)
+        assert (left_out["column 3"].code, left_out["column 5"].code) == (LeftOut.SAME_TIME, LeftOut.EVEN)
+
+    def test_what_changes_evenly_with_the_time_is_no_channel(self, tmp_path: Path) -> None:
+        """A telephone writes the time of day in milliseconds beside the seconds of a test; a table has an axis."""
+        stamps, since = [f"{t:.6f}" for t in TIMES], [f"{1580245353250 + 1000 * t:.0f}" for t in TIMES]
+        axis, slide = [f"{500 - 2 * t:.6f}" for t in TIMES], [f"{t + 0.05 * np.sin(3 * t):.6f}" for t in TIMES]
+        path = table(tmp_path / "a.csv", since, stamps, axis, slide, SAMPLES, head="epoc,time (s),axis,slide,seat\n")
+        recording = read_recording(path)
+        assert [channel.name for channel in recording.channels] == ["slide", "seat"]
+        left_out = {name: why.code for name, why in recording.left_out}
+        assert (left_out["epoc"], left_out["axis"]) == (LeftOut.EVEN, LeftOut.EVEN)
+
+    def test_a_ramp_alone_is_a_channel(self, tmp_path: Path) -> None:
+        path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], [f"{2 * t:.6f}" for t in TIMES], head="time,x\n")
+        assert [channel.name for channel in read_recording(path).channels] == ["x"]
 
     def test_a_sensor_in_whole_numbers_is_a_channel(self, tmp_path: Path) -> None:
         path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], SAMPLES, head="time,seat\n")

@@ -90,6 +90,7 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
     """Return the channels that repeat the column of time number by number, as files with a time for each test do.
 
     One without a name may also run beside it, by less than half a sample more or less: the time of a second sensor.
+    What rises in proportion to the time, as exactly, is a clock in another unit, or an axis.
     """
     if plan.time is None or columns[plan.time].size < MANY_ROWS:
         return {}
@@ -101,6 +102,25 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
         if np.array_equal(columns[name], stamps, equal_nan=True)
         or (UNNAMED_COLUMN.fullmatch(name) and runs_beside(columns[name], stamps, half))
     ]
-    if len(same) == len(plan.channels):
+    even = [name for name in plan.followers if name not in same and _is_even(columns[name], stamps, half)]
+    if len(same) + len(even) == len(plan.channels):
         return {}
-    return {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}
+    said = {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}
+    return said | dict.fromkeys(even, Remark(LeftOut.EVEN))
+
+
+def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:
+    """Return whether a column changes in proportion to the time, to within a part of a sample, and counts no rows.
+
+    Examples
+    --------
+    >>> clock = np.array([0.0, 1.0, 2.0, 3.0])
+    >>> _is_even(50 + 4 * clock, clock, 0.5), _is_even(clock**2, clock, 0.5)
+    (True, False)
+    """
+    known = np.flatnonzero(np.isfinite(column) & np.isfinite(stamps))
+    if known.size < 2 or column[known[0]] == column[known[-1]] or is_count(column):
+        return False
+    first, last = known[0], known[-1]
+    pace = (stamps[last] - stamps[first]) / (column[last] - column[first])
+    return runs_beside(column[first:] * pace, stamps[first:], most)

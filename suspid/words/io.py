@@ -119,6 +119,7 @@ class LeftOut(Code):
             )
         ),
     )
+    EVEN = "even", "changes evenly with the time, as a clock or an axis does"
     LIKE_TIME = "like_time", "reads like a time"
     PARTS = "parts", "holds the parts of a second, beside the time {other!r}"
     SPARE_TIMES = "spare_times", "contains times of day, which are not needed: another column is the time"
