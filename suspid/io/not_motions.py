@@ -15,6 +15,8 @@ from suspid.words import LeftOut, Remark
 
 # Rows in which a column of any name rises by one in each, or repeats the time: in fewer, a motion may.
 MANY_ROWS = 50
+# Share of a step by which what changes evenly with the time is off it at most: stamps are rounded. Any sensor is more.
+OFF_EVEN = 0.05
 # Parts of a second are written with three digits at least [s].
 OF_A_SECOND: Second = 1e-3
 
@@ -90,19 +92,19 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
     """Return the channels that repeat the column of time number by number, as files with a time for each test do.
 
     One without a name may also run beside it, by less than half a sample more or less: the time of a second sensor.
-    What rises in proportion to the time, as exactly, is a clock in another unit, or an axis.
+    What rises in proportion to the time, to a small share of a sample, is a clock in another unit, or an axis.
     """
     if plan.time is None or columns[plan.time].size < MANY_ROWS:
         return {}
     stamps = columns[plan.time]
-    half = 0.5 * float(np.nanmedian(np.abs(np.diff(stamps))))
+    step = float(np.nanmedian(np.abs(np.diff(stamps))))
     same = [
         name
         for name in plan.followers
         if np.array_equal(columns[name], stamps, equal_nan=True)
-        or (UNNAMED_COLUMN.fullmatch(name) and runs_beside(columns[name], stamps, half))
+        or (UNNAMED_COLUMN.fullmatch(name) and runs_beside(columns[name], stamps, 0.5 * step))
     ]
-    even = [name for name in plan.followers if name not in same and _is_even(columns[name], stamps, half)]
+    even = [name for name in plan.followers if name not in same and _is_even(columns[name], stamps, OFF_EVEN * step)]
     if len(same) + len(even) == len(plan.channels):
         return {}
     said = {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}
