@@ -60,7 +60,9 @@ def equation_error(record: control.TimeResponseData, car: Suspension) -> RealArr
     s = 2j * np.pi * f[use]
     travel = np.fft.rfft((body - wheel) * window)[use] / s**2
     J, y = -np.column_stack([travel, s * travel]), car.masses["chassis"] * np.fft.rfft(body * window)[use]
-    return np.asarray(np.linalg.lstsq(np.concatenate([J.real, J.imag]), np.concatenate([y.real, y.imag]))[0])
+    return np.asarray(
+        np.linalg.lstsq(np.concatenate([J.real, J.imag]), np.concatenate([y.real, y.imag]), rcond=None)[0]
+    )
 
 
 def era_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, fixed: tuple[str, ...]) -> Suspension:

@@ -115,7 +115,7 @@ def _followed(
     columns = np.concatenate([one[use] for (one, _), use in zip(parts, whole, strict=True)])
     left = np.concatenate([force[use] for (_, force), use in zip(parts, whole, strict=True)]) - columns @ theta
     extra = np.concatenate([one[use] for one, use in zip(more, whole, strict=True)])
-    extra = extra - columns @ np.linalg.lstsq(columns, extra)[0]
+    extra = extra - columns @ np.linalg.lstsq(columns, extra, rcond=None)[0]
     scores = (extra * left[:, None]).reshape(-1, block, extra.shape[1]).sum(axis=1)
     std = np.sqrt(len(scores) * np.var(scores, axis=0, ddof=1))
     ratios = np.sum(scores, axis=0) / std

@@ -151,7 +151,7 @@ class Quadratic:
         damped, slope = self.unit + damping * _unit_matrix(len(self.unit)), self.gradient / self.scale
         _, step, failed = dposv(damped, slope)
         # Without damping, rounding may leave the information indefinite or singular: then the step is the shortest one.
-        return np.asarray((np.linalg.lstsq(damped, slope)[0] if failed else step) / self.scale)
+        return np.asarray((np.linalg.lstsq(damped, slope, rcond=None)[0] if failed else step) / self.scale)
 
 
 @lru_cache(maxsize=64)
