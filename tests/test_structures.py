@@ -13,6 +13,7 @@ from suspid import analyse, clean, identify, read_recording
 from suspid.identification import ForceKind, Identification
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear import beginnings
+from suspid.identification.nonlinear.amplitude import _part_pairs
 from suspid.identification.nonlinear.beginnings import begun, stops_soon
 from suspid.identification.nonlinear.bent_motion import BentSteps
 from suspid.identification.nonlinear.descent import fitted
@@ -164,6 +165,43 @@ def test_amplitudes_that_are_lost_in_the_noise_are_not_described() -> None:
     assert [len(each.amplitude) for each in described] == [5, 1]
     assert np.min(described[0].amplitude) > 3 * size
     assert described[0].spans[-1][1] < time[800]
+
+
+def test_derivatives_of_driven_states_are_those_of_differences() -> None:
+    """By each pole and by each gain, along the real axis: states are analytic in both."""
+    rng = np.random.default_rng(6)
+    theta, gains = np.array([-0.02 + 0.3j, -0.01 + 0.5j]), np.array([[0.02j, 0.01], [0.03, -0.01j]])
+    drive = Drive(theta=theta, gains=gains, forces=rng.standard_normal((2, 200)), nuisances=np.zeros(1))
+
+    def fit_of(changed: Drive) -> DrivenFit:
+        fit = evaluate(rng.standard_normal((1, 200)), changed, WhiteNoise(least=np.zeros(1)))
+        assert fit is not None
+        return fit
+
+    def change(**fields: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        there, back = (
+            fit_of(replace(drive, **{k: getattr(drive, k) + s * v for k, v in fields.items()})) for s in (1, -1)
+        )
+        return np.asarray(there.states - back.states)
+
+    fit, step = fit_of(drive), 1e-6
+    shifts = [{"theta": step * np.eye(2, dtype=complex)[k]} for k in range(2)]
+    shifts += [{"gains": step * np.eye(4, dtype=complex)[k].reshape(2, 2)} for k in range(4)]
+    for slope, owner, shift in zip(fit.slopes, fit.owners, shifts, strict=True):
+        expected = change(**shift)[owner] / (2 * step)
+        assert np.max(np.abs(slope - expected)) < 1e-6 * np.max(np.abs(expected))
+
+
+def test_the_parts_of_a_driven_mode_end_in_the_noise() -> None:
+    """Two modes that fall from 1 through three standard deviations of .01 at samples 175 and 351 of 600."""
+    theta, time = np.array([-0.02 + 0.3j, -0.01 + 0.5j]), np.arange(600)
+    noise = 0.01 * np.random.default_rng(4).standard_normal((1, 600))
+    drive = Drive(theta=theta, gains=np.zeros((2, 0), complex), forces=np.zeros((0, 600)), nuisances=np.zeros(1))
+    values = np.exp(np.outer(theta, time)).real.sum(axis=0) + noise
+    fit = evaluate(np.asarray(values), drive, WhiteNoise(least=np.zeros(1)))
+    assert fit is not None
+    ends = [_part_pairs(fit, pole)[-1][1] for pole in range(2)]
+    assert ends == pytest.approx([np.log(1 / 0.03) / 0.02, np.log(1 / 0.03) / 0.01], rel=0.05)
 
 
 class TestMotionOfSmoothForces:

@@ -49,8 +49,7 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
         return False
     ours, theirs = (_energies(as_signal(held(found, "fitted"))) for found in (whole, part))
     # What a channel carries beside noise tells.
-    channels = as_signal(held(part, "fitted")).channels
-    moved = [name for name, share in zip(channels, part.explained.tolist(), strict=True) if share > LEAST_EXPLAINED]
+    moved = [name for name, share in zip(theirs, part.explained.tolist(), strict=True) if share > LEAST_EXPLAINED]
     if set(ours) != set(theirs) or not all(ours[name] > MORE * theirs[name] for name in moved or theirs):
         return False
     modes, ends = whole.modes, part.modes

@@ -50,8 +50,7 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     if not cut_off.any():
         return None
     longest = int(np.argmax(np.where(cut_off, counts, 0)))
-    near = slice(max(0, int(first[longest]) - BESIDE), int(after[longest]) + BESIDE)
-    others = steps[near][samples[near][: steps[near].size] != limit]
+    others = _steps_beside(samples, steps, int(first[longest]), int(after[longest]))
     again = (np.sum(others == 0) + 1) / (others.size + 2)
     from scipy.special import betainc
 
@@ -82,9 +81,9 @@ def _slow_crests(samples: RealArray, steps: RealArray, first: Indices, after: In
     """
     counts = after - first
     longest = int(np.argmax(counts))
-    near = slice(max(0, int(first[longest]) - BESIDE), int(after[longest]) + BESIDE)
-    others = steps[near][samples[near][: steps[near].size] != samples[first[longest]]]
-    before, past = np.unique(samples[near.start : first[longest]]), samples[after[longest] : near.stop]
+    begin, end = int(first[longest]), int(after[longest])
+    others = _steps_beside(samples, steps, begin, end)
+    before, past = np.unique(samples[max(0, begin - BESIDE) : begin]), samples[end : end + BESIDE]
     # At another limit a channel stays again and again, too.
     again = np.isin(before[(before > np.min(samples)) & (before < np.max(samples))], past)
     if not np.count_nonzero(others) or np.mean(others == 0) < MET_AGAIN or not again.size or np.mean(again) < MET_AGAIN:
@@ -94,6 +93,12 @@ def _slow_crests(samples: RealArray, steps: RealArray, first: Indices, after: In
         np.abs(samples[at] - samples[first]) for at in (np.maximum(first - half, 0), np.minimum(after - 1 + half, last))
     ]
     return np.asarray(np.maximum(*fallen) <= FALLEN_STEPS * float(np.median(others[others > 0])))
+
+
+def _steps_beside(samples: RealArray, steps: RealArray, first: int, after: int) -> RealArray:
+    """Return the steps beside a run at a limit that do not leave the limit, of the differences of all samples."""
+    near = slice(max(0, first - BESIDE), after + BESIDE)
+    return np.asarray(steps[near][samples[near][: steps[near].size] != samples[first]])
 
 
 def _from_rest(samples: RealArray, first: Indices, after: Indices, step: float) -> NDArray[np.bool_]:

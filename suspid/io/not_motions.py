@@ -27,11 +27,7 @@ def counters_of(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]
     What a sensor measures does not rise by one from each row to the next. Of a first column without a name, a few rows
     are enough.
     """
-    counters = [
-        name
-        for name in plan.channels
-        if counts_rows(name, columns[name]) or (columns[name].size >= MANY_ROWS and is_count(columns[name]))
-    ]
+    counters = [name for name in plan.channels if _counts(name, columns[name])]
     first = next(iter(plan.followers), "")
     unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
     # In a matrix, the column before the time counts the rows.
@@ -39,6 +35,11 @@ def counters_of(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]
     if unnamed and columns[first].size >= FEW_STAMPS and is_count(columns[first]):
         counters.append(first)
     return [] if len(counters) == len(plan.channels) else counters
+
+
+def _counts(name: str, column: RealArray) -> bool:
+    """Return whether a column counts the rows, by its name or, where these are many, by its numbers alone."""
+    return counts_rows(name, column) or (column.size >= MANY_ROWS and is_count(column))
 
 
 def magnitudes(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
@@ -104,7 +105,8 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
         if np.array_equal(columns[name], stamps, equal_nan=True)
         or (UNNAMED_COLUMN.fullmatch(name) and runs_beside(columns[name], stamps, 0.5 * step))
     ]
-    even = [name for name in plan.followers if name not in same and _is_even(columns[name], stamps, OFF_EVEN * step)]
+    others = [name for name in plan.followers if name not in same and not _counts(name, columns[name])]
+    even = [name for name in others if _is_even(columns[name], stamps, OFF_EVEN * step)]
     if len(same) + len(even) == len(plan.channels):
         return {}
     said = {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}
@@ -112,7 +114,7 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
 
 
 def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:
-    """Return whether a column changes in proportion to the time, to within a part of a sample, and counts no rows.
+    """Return whether a column changes in proportion to the time, to within a part of a sample.
 
     Examples
     --------
@@ -121,7 +123,7 @@ def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:
     (True, False)
     """
     known = np.flatnonzero(np.isfinite(column) & np.isfinite(stamps))
-    if known.size < 2 or column[known[0]] == column[known[-1]] or is_count(column):
+    if known.size < 2 or column[known[0]] == column[known[-1]]:
         return False
     first, last = known[0], known[-1]
     pace = (stamps[last] - stamps[first]) / (column[last] - column[first])

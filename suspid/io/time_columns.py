@@ -66,20 +66,17 @@ def time_column(
         if same is None:
             kept.append(name)
             continue
-        starts = [abs(in_seconds(table, one, table.columns([one])[0])[0]) for one in (kept[same], name)]
-        better, worse = (name, kept[same]) if starts[0] > starts[1] else (kept[same], name)
+        pair = {one: in_seconds(table, one, table.columns([one])[0]) for one in (kept[same], name)}
+        better, worse = sorted(pair, key=lambda one: abs(pair[one][0]))
         kept[same] = better
         times = {one: better if of == worse else of for one, of in times.items()} | {name: better}
-        stamps = [in_seconds(table, name, table.columns([name])[0]) for name in (better, worse)]
-        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better, **late_by(*stamps)})
+        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better, **late_by(pair[better], pair[worse])})
     if len(kept) > 1:
         pairs = _pairs(table, times)
         if pairs and fs is None:
             return None, pairs, {**dict.fromkeys(kept, Remark(LeftOut.GROUP_TIME)), **said}
-        its_times = {name: in_seconds(table, name, table.columns([name])[0]) for name in kept}
-        even = [
-            name for name, its in its_times.items() if runs_as_clock(its) and np.all(np.diff(its[: filled(its)]) > 0)
-        ]
+        stamps = {name: in_seconds(table, name, table.columns([name])[0]) for name in kept}
+        even = [name for name, its in stamps.items() if runs_as_clock(its) and np.all(np.diff(its[: filled(its)]) > 0)]
         if len(even) == 1:
             said |= {**dict.fromkeys(kept, Remark(LeftOut.LIKE_TIME)), even[0]: Remark(LeftOut.TAKEN_AS_TIME)}
             return even[0], {}, said

@@ -86,7 +86,6 @@ def as_recording(
             left_out[f"unit of {times[0]!r}"] = said
         plan, outvoted = _outvoted(table, plan, stamps, fs)
         parts = {} if channels else parts_of_seconds(plan, columns, stamps) | repeated_times(plan, columns)
-        parts = {name: why for name, why in parts.items() if name not in counters}
         norms, left_out = norms | parts, left_out | outvoted | parts
     elif followers:
         stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)

@@ -39,10 +39,7 @@ class Reason(Code):
     OF_NO_MODE = "of no mode", "a multiple, or a sum, of motion whose own frequency is not determined"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
-    BEGINNING = (
-        "beginning",
-        "together with others it fits only the first samples: motion before the free decay",
-    )
+    BEGINNING = "beginning", "together with others it fits only the first samples: motion before the free decay"
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
     BEYOND = "beyond", "weaker than the requested modes"
     REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record does not distinguish them"
