@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk
 
 from suspid import Identification, Settings, analyse, identify
-from suspid.analysis.largest import _largest, of_largest
+from suspid.analysis.largest import _largest, _shrinking, of_largest
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
-from suspid.signals import as_signal
+from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
 from suspid.words import Level, Note, RecordCheck, Remark
 
@@ -114,6 +116,64 @@ class TestOfLargest:
         assert span is not None
         assert 4 < span[0] < 5.3
         assert 15 < span[1] < 29
+
+
+def test_a_pendulum_held_far_up_and_never_at_rest(tmp_path: Path) -> None:
+    """No stretch is calm, and each swing of a decay that bends looks like a new event; its swings shrink one by one."""
+    wn, damping, drag, held = 2 * np.pi * 1.72, 0.005, 0.02, 0.4
+    t = np.arange(5000) / RATE
+
+    def slope(_: float, state: RealArray) -> list[float]:
+        x, v = state
+        return [v, -(wn**2) * np.sin(x) - 2 * damping * wn * v - drag * v * abs(v)]
+
+    def turns(_: float, state: RealArray) -> float:
+        return float(state[1])
+
+    swing = solve_ivp(slope, (0, 5), [np.radians(150), 0.0], rtol=1e-9, atol=1e-10, dense_output=True, events=turns)
+    degrees = np.degrees(swing.sol(np.maximum(t - held, 0.0))[0]) + 0.3 * np.random.default_rng(1).standard_normal(5000)
+    path = tmp_path / "far_up.csv"
+    steps = np.round(degrees / 0.35) * 0.35
+    np.savetxt(path, np.column_stack([t, steps]), fmt="%.6g", delimiter=",", header="t [s],angle [deg]", comments="")
+    found = analyse(path)
+    assert len(found.modes) == 1
+    assert found.verdict.level is Level.CARE
+    (mode,) = found.identification.amplitude_dependence
+    size = np.radians(mode.amplitude)
+    exact = wn * np.pi / 2 / ellipk(np.sin(size / 2) ** 2)
+    np.testing.assert_allclose(mode.wn, exact, rtol=0.002)
+    assert np.all(np.abs(mode.wn - exact) < 3 * mode.wn_std)
+    # Logarithmic decrements of the exact turning points.
+    swings = np.log(np.abs(np.diff(swing.y_events[0][:, 0])) / 2)
+    decrement = np.interp(-np.log(size), -0.5 * (swings[:-2] + swings[2:]), (swings[:-2] - swings[2:]) / 2)
+    np.testing.assert_allclose(mode.zeta, decrement / np.hypot(np.pi, decrement), rtol=0.02)
+
+
+class TestShrinking:
+    t = np.arange(1000) / 100
+
+    def span(self, values: RealArray) -> tuple[float, float] | None:
+        return _shrinking(
+            Signal(start=2.0, step=0.01, values=np.atleast_2d(values), channels=("a", "b")[: values.ndim])
+        )
+
+    def test_from_the_largest_swing_to_the_last_sample(self) -> None:
+        fall = np.exp(-0.1 * self.t) * np.cos(2 * np.pi * self.t)
+        assert self.span(fall) == pytest.approx((2.5, 11.99), abs=0.02)
+
+    def test_to_where_another_motion_begins(self) -> None:
+        fall = np.exp(-0.2 * self.t) * np.cos(2 * np.pi * self.t) + np.where(self.t > 8, 0.3, 0.0)
+        assert self.span(fall) == pytest.approx((2.5, 9.5), abs=0.05)
+
+    def test_a_first_swing_that_takes_longer_is_left_out(self) -> None:
+        late = np.exp(-0.1 * self.t) * np.cos(2 * np.pi * (self.t - 0.3 * np.clip(self.t, 0, 0.9)))
+        assert self.span(late) == pytest.approx((2.77, 11.99), abs=0.55)
+
+    def test_few_swings_and_those_that_swell_again_are_none(self) -> None:
+        beat = np.cos(0.7 * self.t) * np.cos(20 * self.t)
+        few = np.exp(-0.1 * self.t) * np.cos(2 * np.pi * 0.35 * self.t)
+        assert self.span(beat) is None
+        assert self.span(few) is None
 
 
 def test_it_calls_for_care() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,15 +20,31 @@ SMALL, RATE, NOISE = 0.905, 30.0, 0.01
 
 def pendulum(angle: float, duration: float, *, seed: int, order: int = 0) -> tuple[RealArray, RealArray]:
     """Return times and samples of a pendulum with viscous and quadratic damping, as an angle or its rate."""
-    omega, times = 2 * np.pi * SMALL, np.arange(0, duration, 1 / RATE)
+    times = np.arange(0, duration, 1 / RATE)
+    path = path_of(angle, times)
+    noise = np.random.default_rng(seed).standard_normal(times.size)
+    return times, path.y[order] + NOISE * (2 * np.pi * SMALL if order else 1) * noise
+
+
+def path_of(angle: float, times: RealArray) -> Any:
+    """Return the path of that pendulum, with its turning points as events."""
+    omega = 2 * np.pi * SMALL
 
     def motion(_: float, state: RealArray) -> list[float]:
         turned, rate = state
         return [rate, -(omega**2) * np.sin(turned) - 0.0016 * omega * rate - 0.0012 * abs(rate) * rate]
 
-    path = solve_ivp(motion, (0, duration), [angle, 0.0], t_eval=times, rtol=1e-9, atol=1e-9, method="DOP853")
-    noise = np.random.default_rng(seed).standard_normal(times.size)
-    return times, path.y[order] + NOISE * (omega if order else 1) * noise
+    def rate_of(_: float, state: RealArray) -> float:
+        return float(state[1])
+
+    last = float(times[-1]) + 1 / RATE
+    start = [angle, 0.0]
+    return solve_ivp(motion, (0, last), start, t_eval=times, rtol=1e-9, atol=1e-9, method="DOP853", events=rate_of)
+
+
+def pendulum_turns(angle: float, duration: float) -> RealArray:
+    """Return the times at which that pendulum turns back [s]."""
+    return np.asarray(path_of(angle, np.array([0.0, duration])).t_events[0])
 
 
 def exact(angle: RealArray) -> RealArray:
@@ -44,7 +61,12 @@ class TestFrequencyOfAPendulum:
         (dependence,) = found.amplitude_dependence
         # Its sine is a cubic spring but for a fifth power, which is 4 % of the stiffness at these angles.
         shift = exact(dependence.amplitude) / (dependence.wn / (2 * np.pi)) - 1
-        np.testing.assert_allclose(shift, 0.0, rtol=0, atol=0.002)
+        np.testing.assert_allclose(shift, 0.0, rtol=0, atol=0.0025)
+        # It is that of the cycles within each span.
+        turned = pendulum_turns(angle, duration)
+        cycles = np.diff(np.interp(dependence.spans, turned, np.arange(len(turned)) / 2), axis=1)[:, 0]
+        frequency = cycles / np.diff(dependence.spans, axis=1)[:, 0]
+        np.testing.assert_allclose(dependence.wn / (2 * np.pi), frequency, rtol=5e-4, atol=0)
         assert np.ptp(dependence.wn) > 0.06 * found.modes.wn[0]
         # The value of the table of modes holds the frequencies of the amplitudes about the middle.
         apart = found.modes.wn[0] - 2 * np.pi * float(exact(np.array([dependence.holds_at]))[0])

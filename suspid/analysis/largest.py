@@ -14,6 +14,7 @@ from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
+from suspid.analysis.swings import AT_REST, EVEN_SWINGS, turns_of
 from suspid.analysis.used import Used, instead_of
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
@@ -31,6 +32,9 @@ STANDS_OUT = 10.0
 # A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
 # largest.
 CALM_AGAIN, FADED = 1.5, 0.01
+# Swings that shrink one after the other, from the largest of the record on: of as many in any order, one in 40 320 does.
+# Fewer are common in a resonance that noise drives; that swells again to more than this share of the largest.
+SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
 # Shares of the motion after which it may be free: what lets it go acts for a while.
 STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
 # Other starts that must show the same modes, for a result that is not doubtful and for one that is.
@@ -54,7 +58,7 @@ def of_largest(
     if len(found.modes) and not (found.verdict.level is Level.DOUBTFUL and larger_elsewhere(record, stretch)):
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
-    span = _largest(as_signal(record))
+    span = _largest(as_signal(record)) or _shrinking(as_signal(record))
     if span is None:
         return None
     first, last = span
@@ -86,6 +90,31 @@ def _largest(signal: Signal) -> tuple[Second, Second] | None:
     calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * calmest, FADED * moves[most]))
     end = (most + int(calm[0])) * each if calm.size else signal.values.shape[1] - 1
     return signal.start + signal.step * most * each, signal.start + signal.step * end
+
+
+def _shrinking(signal: Signal) -> tuple[Second, Second] | None:
+    """Return from when to when swings shrink from the largest one on, in the channel with most of them; None if few do.
+
+    What fills a record has no calm part to stand out from, and one that bends looks like new events all the while.
+    """
+    most = None
+    for samples in signal.values:
+        turns = turns_of(samples, AT_REST * float(np.ptp(samples)))
+        sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns)
+        if len(sizes) < SHRINKING_SWINGS:
+            continue
+        first = int(np.argmax(sizes))
+        grows = np.flatnonzero(np.diff(sizes[first:]) >= 0)
+        last = first + (int(grows[0]) if grows.size else len(sizes) - 1 - first) + 1
+        uneven = np.flatnonzero(np.abs(times[first:last] / np.median(times[first:last]) - 1) > EVEN_SWINGS)
+        # What was held, and what swings far, takes longer at first.
+        first += int(uneven[-1]) + 1 if uneven.size else 0
+        if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
+            continue
+        if most is None or last - first > most[1] - most[0]:
+            ends = len(samples) - 1 if last == len(sizes) else int(turns[last])
+            most = first, last, int(turns[first]), ends
+    return None if most is None else (signal.start + signal.step * most[2], signal.start + signal.step * most[3])
 
 
 def _plain(found: Identification, level: Level) -> bool:

@@ -71,15 +71,27 @@ def _time_of_swings(samples: RealArray, step: Second) -> Second | None:
 
 
 def turns_of(samples: RealArray, least: float) -> NDArray[np.intp]:
-    """Return where samples turn back by a size.
+    """Return where samples turn back by a size, up and down in turn.
 
     Examples
     --------
     >>> turns_of(np.array([0.0, 1.0, 3.0, 2.9, 0.5, 0.6, -1.0, 2.0]), 1.0)
     array([2, 6])
+
+    Of crests of one size, as a coarse step makes them, the first:
+
+    >>> turns_of(np.array([0.0, 3.0, 2.9, 3.0, 0.0]), 1.0)
+    array([1])
     """
     from scipy.signal import find_peaks
 
     # Where a turn rests, its first sample.
-    found = [find_peaks(side * samples, prominence=least, plateau_size=1)[1]["left_edges"] for side in (1.0, -1.0)]
-    return np.sort(np.concatenate(found))
+    tops, lows = (find_peaks(side * samples, prominence=least, plateau_size=1)[1]["left_edges"] for side in (1.0, -1.0))
+    turns = np.concatenate([tops, lows])
+    sizes = np.concatenate([samples[tops], -samples[lows]])
+    order = np.argsort(turns)
+    # Turns to one side that follow one another are one swing.
+    swing = np.cumsum(np.diff(order < len(tops), prepend=False))
+    largest = np.lexsort((turns[order], -sizes[order], swing))
+    _, first = np.unique(swing[largest], return_index=True)
+    return np.asarray(np.sort(turns[order][largest][first]))

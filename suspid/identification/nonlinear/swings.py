@@ -27,9 +27,9 @@ class Swings:
     From a swing to a later one, forces that follow the motion leave no ripple as they do between two samples.
     """
 
-    time: RealArray  # (swing,): start of each in samples
+    time: RealArray  # (swing,): middle of each in samples, where its size holds
     size: RealArray  # (swing,): half of the way between its turning points, in the unit of the channel
-    slopes: ComplexArray  # (parameter pair, swing): derivatives of the logarithm of the state by the pairs of `own`
+    slopes: ComplexArray  # (parameter pair, swing): derivatives of the logarithm of the state there by those of `own`
     own: NDArray[np.intp]
     free: int  # number of parameters of the fit
 
@@ -107,7 +107,8 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     seen = int(lost[0]) if lost.size else len(size)
     if seen < 2:
         return None
-    return Swings(time=times[:seen], size=size[:seen], slopes=rows[1:, :seen], own=own, free=fit.drive.free)
+    time, slopes = (0.5 * (each[..., :-1] + each[..., 1:])[..., :seen] for each in (times, rows[1:]))
+    return Swings(time=time.real, size=size[:seen], slopes=slopes, own=own, free=fit.drive.free)
 
 
 def _shown(fit: DrivenFit, pole: int, channel: int) -> RealArray:
