@@ -32,7 +32,8 @@ STANDS_OUT = 10.0
 # A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
 # largest.
 CALM_AGAIN, FADED = 1.5, 0.01
-# Swings that shrink one after the other, from the largest of the record on: of as many in any order, one in 40 320 does.
+# Swings that shrink one after the other, from the largest of the record on: of as many in any order, one in 40 320
+# does.
 # Fewer are common in a resonance that noise drives; that swells again to more than this share of the largest.
 SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
 # Shares of the motion after which it may be free: what lets it go acts for a while.

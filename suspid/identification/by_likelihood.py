@@ -32,6 +32,7 @@ from suspid.identification.ongoing import without_lines
 from suspid.identification.pulses import without_beginning, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
+from suspid.identification.traces import traces
 from suspid.levels import NORMAL_95
 from suspid.model import ModalSet
 from suspid.samples import as_samples
@@ -214,15 +215,18 @@ def _modes_of(
 
 
 def _fewer(selection: Selection, own: ModalSet, modes: ModalSet) -> Selection:
-    """Return the poles, of which multiples of a stronger mode, and those that are not determined, are no modes."""
+    """Return the poles, of which multiples of a stronger mode, traces, and those not determined are no modes."""
     kept = selection.modes
     fewer = without_harmonics(selection, own)
     few = selection.fit.count < SAMPLES_EACH * (1 + 2 * len(selection.fit.poles.every))
     # What a further pole would say counts where there may be nearly as many poles as samples.
-    if not np.any(unknown := _undetermined(own) | _vague(modes if few else own)):
+    unknown, trace = _undetermined(own) | _vague(modes if few else own), traces(selection, modes)
+    if not np.any(unknown | trace):
         return fewer
     order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
     reasons = list(fewer.reasons)
+    for k in order[trace].tolist():
+        reasons[k] = reasons[k] or Reason.TRACE
     for k in order[unknown].tolist():
         reasons[k] = Reason.UNKNOWN
     return replace(fewer, reasons=tuple(reasons))

@@ -36,6 +36,11 @@ class Reason(Code):
     NO_SWING = "no swing", "doubtful, and damped before it swings: a pulse of force looks the same"
     UNSURE = "unsure", "its decay is not significant against the residual near it"
     UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"
+    TRACE = (
+        "trace",
+        "a trace: less than a thousandth of the energy of the strongest mode, and its damping or its frequency is "
+        "hardly known; what a sensor adds looks the same",
+    )
     OF_NO_MODE = "of no mode", "a multiple, or a sum, of motion whose own frequency is not determined"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
