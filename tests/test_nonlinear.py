@@ -6,6 +6,7 @@ energy lost in a cycle for damping, the first term of Lindstedt and Poincaré fo
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 
 import control
 import numpy as np
@@ -192,6 +193,33 @@ class TestSwings:
         # Its middle is a quarter of a period after it.
         assert swings.time[0] == pytest.approx(np.pi / 2 / theta.imag - missed, abs=2e-3)
         np.testing.assert_allclose(np.diff(np.log(swings.size)), -0.03 * np.pi / np.sqrt(1 - 0.03**2), rtol=2e-3)
+
+    @pytest.mark.parametrize("as_acceleration", [False, True])
+    def test_the_swings_are_those_of_the_channel_unless_that_is_an_acceleration(self, as_acceleration: bool) -> None:
+        theta = 0.1 * (-0.02 + 1j * np.sqrt(1 - 0.02**2))
+        plain = np.exp(theta * np.arange(400)).real
+        gain, shown = (0.003j, 0.03) if as_acceleration else (0.0, 0.2)
+        drive = Drive(
+            theta=np.array([theta]),
+            gains=np.array([[gain]], complex),
+            forces=plain[None] ** 3,
+            nuisances=np.zeros(0),
+            through=True,
+        )
+        state = evaluate(plain[None], replace(drive, through=False), noise_of(plain[None]))
+        assert state is not None
+        mode = state.states[0].real
+        values = (mode + shown * drive.forces[0])[None] + 1e-6 * np.random.default_rng(1).standard_normal(400)
+        fit = evaluate(values, drive, noise_of(values))
+        assert fit is not None
+        swings = swings_of(fit, 0)
+        assert swings is not None
+        # The turning points of the samples themselves: a crest between two samples is higher by less than 1 %.
+        of = mode if as_acceleration else values[0]
+        turns = of[1:-1][np.diff(np.sign(np.diff(of))) != 0]
+        np.testing.assert_allclose(swings.size[-len(turns) + 1 :], np.abs(np.diff(turns)) / 2, rtol=4e-3)
+        fall = np.log(swings.size[:-1] / swings.size[1:])
+        assert (np.ptp(fall) > 0.01) is not as_acceleration
 
     def test_a_pole_that_falls_at_once_is_not_continued_before_the_record(self) -> None:
         """Steps of a descent meet such poles; exp(2000) overflows, and users saw the warning of NumPy."""

@@ -347,9 +347,10 @@ def judged(record: Release, found: Analysis) -> Outcome:
     used = found.identification.response.time
     start, stop = float(used[0]), min(float(used[-1]), record.stop)
     if len(truth) == 1:
-        # From the first turn that the result states to the end of the swing that begins at the last.
+        # From the first turn of the result to its last: it states the middles of the first and of the last swing.
         for each in found.identification.amplitude_dependence:
-            start, stop = each.spans[0][0], each.spans[-1][1] + np.pi / float(record.rig.wn[0])
+            quarter = np.pi / 2 / float(record.rig.wn[0])
+            start, stop = each.spans[0][0] - quarter, each.spans[-1][1] + quarter
         _, by_cycle, zetas = equivalent(record, start, stop)
         if not len(by_cycle):
             return Outcome(right=right, level=level)

@@ -44,8 +44,8 @@ def identify(
 
     "likelihood" fits damped exponentials to all channels jointly, by maximum likelihood: common poles, and in each
     channel amplitudes, an offset and white noise of unknown level. Poles are added while BIC decreases, up to 50 pairs.
-    Tones, drifts and traces are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where
-    the residual is not white noise.
+    Tones, drifts and traces are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate,
+    widened where the residual is not white noise.
 
     Where the residual of the linear fit indicates nonlinearity, and no ``band_hz`` is given, friction, drag, and
     cubic and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole

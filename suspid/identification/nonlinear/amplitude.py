@@ -261,9 +261,11 @@ def _parts(
     """Return exponent, derivatives and span in samples of each part of a decay, and the amplitude in each, (part,)."""
     swings = swings_of(fit, pole) if len(fit.drive.theta) == 1 else None
     if swings is not None:
-        cuts = cuts_of(np.log(swings.size), least=2)
-        pairs = list(pairwise(cuts))
-        between = np.sqrt(swings.size[cuts[:-1]] * swings.size[cuts[1:]])
+        # A spring that bends to one side may part the two swings of a cycle unevenly.
+        pairs = [(2 * a, 2 * b) for a, b in pairwise(cuts_of(np.log(swings.size[::2]), least=1))]
+        if (over := len(swings.size) - 1 - pairs[-1][1]) or not pairs[0][1]:
+            pairs[-1] = (pairs[-1][0] + (over if len(pairs) > 1 else 0), len(swings.size) - 1)
+        between = np.array([np.sqrt(swings.size[a] * swings.size[b]) for a, b in pairs])
         return [(*swings.pole(a, b), (float(swings.time[a]), float(swings.time[b]))) for a, b in pairs], between
     pairs = _part_pairs(fit, pole)
     envelope = np.log(size * np.abs(fit.states[pole]) + 1e-300)

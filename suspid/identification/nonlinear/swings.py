@@ -14,8 +14,15 @@ from suspid.units import ComplexArray, RealArray
 
 # A turn that the record misses by at most 3 samples, and by less than this share of a swing, is one of its turns.
 MISSED, MISSED_SHARE = 3.0, 0.1
-# A force shows as in an acceleration if that lies within this share of what its gain says.
+# Forces show as in an acceleration if what they add lies within this share of what their gains say.
 LIKE_AN_ACCELERATION = 0.5
+# A swing that is this many times as large as the first is the first: what decays makes no larger one.
+HELD_BEFORE = 1.2
+# At its turns a motion rises or falls by less than this share of what it does between them: at a sixth of a quarter of
+# a cycle from them by more.
+ALIGNED = 0.3
+# Share of a cycle before and after a sample over which a measured motion is seen to rise: noise turns shorter ways.
+CYCLE_SHARE = 0.125
 # A state that falls by this many e-foldings within the samples before the record is not continued there: 1e-100.
 FASTEST_FALL = 230.0
 
@@ -74,7 +81,6 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     """Return the swings of a mode in its strongest channel within a window; None if there are not two."""
     own, strongest = np.flatnonzero(fit.owners == pole), int(np.argmax(np.abs(fit.amplitudes[pole])))
     amplitude = fit.amplitudes[pole, strongest]
-    shown = _shown(fit, pole, strongest)
     state = fit.states[pole, window]
     # States begin with 1; below this their ratios are not known to rounding.
     gone = np.flatnonzero(np.abs(state) < 1e-100)
@@ -83,53 +89,100 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
         return None
     theta = complex(fit.drive.theta[pole])
     most = min(MISSED, MISSED_SHARE * np.pi / theta.imag)
-    more = int(np.ceil(most))
     # What falls faster swings nowhere, and its powers backwards in time overflow.
-    more = more if -theta.real * more < FASTEST_FALL else 0
+    more = int(np.ceil(most)) if -theta.real * np.ceil(most) < FASTEST_FALL else 0
     first = window.indices(fit.states.shape[1])[0]
     push = fit.drive.gains[pole] @ fit.drive.forces[:, [first, first + len(state) - 1]]
+    measured = (fit.values - fit.residual)[strongest, window][: len(state)]
     state = _prolonged(state, theta, push, more)
     times = _turns(np.real(amplitude * theta * state)) - more
-    times = times[(times > -most) & (times < len(state) - 2 * more - 1 + most)]
+    times = times[(times > -most) & (times < len(measured) - 1 + most)]
+    changed = _changed_by_forces(fit, pole, strongest)
+    if changed and len(times) > 2:
+        times = _measured_turns(measured, times, max(1, round(CYCLE_SHARE * 2 * np.pi / theta.imag)))
     if len(times) < 3:
         return None
-    slopes = fit.slopes[own][:, window][:, : len(state) - 2 * more]
+    slopes = fit.slopes[own][:, window][:, : len(measured)]
     slopes = np.pad(slopes, ((0, 0), (more, more)), mode="edge")
     at = np.minimum((times + more).astype(int), len(state) - 2)
     logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
     rows = np.vstack([logs, slopes / state])
     rows = rows[:, at] + (times + more - at) * (rows[:, at + 1] - rows[:, at])
-    rows[0] += np.log(np.interp(times + first, np.arange(len(shown)), shown))
-    positions = np.real(amplitude * np.exp(rows[0]))
+    positions = _extremes(measured, times) if changed else np.real(amplitude * np.exp(rows[0]))
     size = 0.5 * np.abs(np.diff(positions))
     # What is lost in the noise was not met.
     lost = np.flatnonzero(size <= SURE * np.sqrt(fit.variance[strongest]))
-    seen = int(lost[0]) if lost.size else len(size)
-    if seen < 2:
+    last = int(lost[0]) if lost.size else len(size)
+    # What is held at first turns without a swing.
+    largest = int(np.argmax(size[:3]))
+    seen = slice(largest if size[largest] > HELD_BEFORE * size[0] else 0, last)
+    if len(size[seen]) < 2:
         return None
-    time, slopes = (0.5 * (each[..., :-1] + each[..., 1:])[..., :seen] for each in (times, rows[1:]))
-    return Swings(time=time.real, size=size[:seen], slopes=slopes, own=own, free=fit.drive.free)
+    lasts = np.diff(times)[seen]
+    # Where friction stops the motion its last turn is not seen, and the state goes on for a while.
+    lasts[-1] = min(lasts[-2:])
+    slopes = 0.5 * (rows[1:, :-1] + rows[1:, 1:])[:, seen]
+    return Swings(time=times[:-1][seen] + 0.5 * lasts, size=size[seen], slopes=slopes, own=own, free=fit.drive.free)
 
 
-def _shown(fit: DrivenFit, pole: int, channel: int) -> RealArray:
-    """Return by what factor the swings of a channel are larger than those of the state, (sample,).
+def _changed_by_forces(fit: DrivenFit, pole: int, channel: int) -> bool:
+    """Return whether what forces add to a channel changes the size of the swings as they were measured.
 
-    Forces show in accelerations at once, about as much as their gains say: the swings are those of the state then. A
-    force that shows otherwise is no acceleration, and changes the size of the swings as they were measured.
+    Forces show in accelerations at once, about as much as their gains say: the swings are those of the state then.
+    Forces that show otherwise are of no acceleration. What counts is what they do together: two of them may be nearly
+    alike and cancel each other.
     """
-    drive, count = fit.drive, fit.states.shape[1]
+    drive = fit.drive
     if not (drive.through and len(drive.forces)):
-        return np.ones(count)
-    amplitude, theta, state = fit.amplitudes[pole, channel], drive.theta[pole], fit.states[pole]
-    direct, told = fit.coefficients[-len(drive.forces) :, channel], np.real(amplitude * drive.gains[pole] / theta)
-    direct = np.where(np.abs(direct - told) < LIKE_AN_ACCELERATION * np.abs(told), 0.0, direct)
-    cycle = max(1, round(2 * np.pi / abs(theta.imag)))
-    # The part of the forces in step with the state, cycle by cycle.
-    turned = 2 * (direct @ drive.forces) * state.conj() / (amplitude * np.abs(state) ** 2 + 1e-300)
-    sums = np.cumsum(np.concatenate([[0.0], turned]))
-    ends = np.clip(np.arange(count) - cycle // 2, 0, max(count - cycle, 0))
-    mean = (sums[np.minimum(ends + cycle, count)] - sums[ends]) / min(cycle, count)
-    return np.asarray(np.abs(1 + mean))
+        return False
+    direct = fit.coefficients[-len(drive.forces) :, channel]
+    told = np.real(fit.amplitudes[pole, channel] * drive.gains[pole] / drive.theta[pole])
+    off, like = (direct - told) @ drive.forces, told @ drive.forces
+    return bool(np.linalg.norm(off) >= LIKE_AN_ACCELERATION * np.linalg.norm(like))
+
+
+def _measured_turns(motion: RealArray, times: RealArray, reach: int) -> RealArray:
+    """Return when a motion turns: at given times, or where it is seen to rise or fall at those.
+
+    Forces follow noise in part, and what they drive may turn at other times than what they add to.
+    """
+    rises = _risen(motion, reach)
+    at, between = (
+        np.abs(rises[np.clip(np.round(each).astype(int), 0, len(motion) - 1)])
+        for each in (times, 0.5 * (times[:-1] + times[1:]))
+    )
+    if np.median(at) < ALIGNED * np.median(between):
+        return times
+    turns = _turns(rises)
+    # What the ends of the record cut off has no rise.
+    return np.asarray(turns[(turns > reach) & (turns < len(motion) - 1 - reach)])
+
+
+def _risen(motion: RealArray, reach: int) -> RealArray:
+    """Return by how much a motion rises from a number of samples before to as many after each.
+
+    Examples
+    --------
+    >>> _risen(np.array([0.0, 2.0, 5.0, 1.0]), 1)
+    array([ 2.,  5., -1., -4.])
+    """
+    padded = np.pad(motion, reach, mode="edge")
+    return np.asarray(padded[2 * reach :] - padded[: -2 * reach])
+
+
+def _extremes(motion: RealArray, times: RealArray) -> RealArray:
+    """Return the crest or the trough of a motion about each of the times at which it turns, one after the other.
+
+    Examples
+    --------
+    >>> _extremes(np.array([0.0, 2.0, 5.0, 1.0, -3.0, -1.0, 2.0]), np.array([1.9, 4.2]))
+    array([ 5., -3.])
+    """
+    starts = np.concatenate([[0], np.ceil(0.5 * (times[:-1] + times[1:])).astype(int)])
+    crests, troughs = np.maximum.reduceat(motion, starts), np.minimum.reduceat(motion, starts)
+    even = np.arange(len(times)) % 2 == 0
+    both = np.where(even, crests, troughs), np.where(even, troughs, crests)
+    return np.asarray(max(both, key=lambda positions: float(np.sum(np.abs(np.diff(positions))))))
 
 
 def _prolonged(state: ComplexArray, theta: complex, push: ComplexArray, more: int) -> ComplexArray:
