@@ -127,7 +127,9 @@ class TestSwingsOfWhatIsShown:
         one, other = swings_of(fit, 0), swings_of(without, 0)
         assert one is not None
         assert other is not None
-        assert one.size == pytest.approx(other.size, rel=1e-3)
+        # A displacement is measured at its turns, of which the record may miss the last.
+        assert len(one.size) >= len(other.size) - 1
+        assert one.size == pytest.approx(other.size[: len(one.size)], rel=1e-3)
 
 
 class TestMotion:

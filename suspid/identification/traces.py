@@ -14,7 +14,7 @@ from suspid.model import ModalSet
 TRACE = 1e-3
 # Its damping is not known to the first share of it, so that neither half of a decay knows it to a third and none can be
 # asked; or its frequency not to the second.
-HARDLY_KNOWN, HARDLY_PLACED = 0.5, 0.25
+KNOWN_TO_HALF, HARDLY_PLACED = 0.5, 0.25
 
 
 def traces(selection: Selection, modes: ModalSet) -> NDArray[np.bool_]:
@@ -31,6 +31,6 @@ def traces(selection: Selection, modes: ModalSet) -> NDArray[np.bool_]:
     # The squares of a motion that falls at this rate, over the record; a small rate, of one that stays.
     rate = np.minimum(2 * every.real, -1e-9)
     energy = (sizes * np.expm1(rate * fit.count) / rate)[order]
-    hardly = NORMAL_95 * modes.zeta_std > HARDLY_KNOWN * np.abs(modes.zeta)
+    hardly = NORMAL_95 * modes.zeta_std > KNOWN_TO_HALF * np.abs(modes.zeta)
     hardly |= NORMAL_95 * modes.wn_std > HARDLY_PLACED * modes.wn
     return np.asarray((modes.poles.imag > 0) & hardly & (energy < TRACE * np.max(energy)))

@@ -98,6 +98,9 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     times = _turns(np.real(amplitude * theta * state)) - more
     times = times[(times > -most) & (times < len(measured) - 1 + most)]
     changed = _changed_by_forces(fit, pole, strongest)
+    if changed:
+        # What is turned before or after the record was not measured.
+        times = times[(times > -0.5) & (times < len(measured) - 0.5)]
     if changed and len(times) > 2:
         times = _measured_turns(measured, times, max(1, round(CYCLE_SHARE * 2 * np.pi / theta.imag)))
     if len(times) < 3:
@@ -173,16 +176,31 @@ def _risen(motion: RealArray, reach: int) -> RealArray:
 def _extremes(motion: RealArray, times: RealArray) -> RealArray:
     """Return the crest or the trough of a motion about each of the times at which it turns, one after the other.
 
+    It is that of the parabola through three samples.
+
     Examples
     --------
-    >>> _extremes(np.array([0.0, 2.0, 5.0, 1.0, -3.0, -1.0, 2.0]), np.array([1.9, 4.2]))
-    array([ 5., -3.])
+    >>> _extremes(np.array([0.0, 2.0, 3.0, 2.0, -3.0, -4.0, -4.0]), np.array([1.9, 5.4])).round(3)
+    array([ 3.   , -4.125])
     """
     starts = np.concatenate([[0], np.ceil(0.5 * (times[:-1] + times[1:])).astype(int)])
-    crests, troughs = np.maximum.reduceat(motion, starts), np.minimum.reduceat(motion, starts)
+    parts = np.split(motion, starts[1:])
+    crests, troughs = (
+        _tops(side * motion, starts + np.array([int(np.argmax(side * part)) for part in parts])) for side in (1, -1)
+    )
     even = np.arange(len(times)) % 2 == 0
-    both = np.where(even, crests, troughs), np.where(even, troughs, crests)
+    both = np.where(even, crests, -troughs), np.where(even, -troughs, crests)
     return np.asarray(max(both, key=lambda positions: float(np.sum(np.abs(np.diff(positions))))))
+
+
+def _tops(motion: RealArray, at: NDArray[np.intp]) -> RealArray:
+    """Return the tops of the parabolas through samples that are no smaller than their neighbours, and those."""
+    at = np.clip(at, 1, len(motion) - 2)
+    before, top, after = motion[at - 1], motion[at], motion[at + 1]
+    bend = 2 * top - before - after
+    between = np.where(bend > 0, (after - before) ** 2 / np.maximum(8 * bend, 1e-300), 0.0)
+    highest = np.maximum(np.maximum(before, after), top)
+    return np.asarray(np.where((top >= before) & (top >= after), top + between, highest))
 
 
 def _prolonged(state: ComplexArray, theta: complex, push: ComplexArray, more: int) -> ComplexArray:
