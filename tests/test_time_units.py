@@ -12,7 +12,7 @@ from suspid import RecordError, Settings, analyse, as_record, clean, read_record
 from suspid.io.epochs import counted_from_first
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
-from suspid.words import LeftOut
+from suspid.words import LeftOut, Level, RecordCheck
 
 # 200 Hz for two seconds; where the unit is not right, the step is not this.
 STEP = 0.005
@@ -64,6 +64,20 @@ def test_steps_that_can_only_be_milliseconds(tmp_path: Path, step: float) -> Non
     ((name, why),) = recording.left_out
     assert name == "unit of 'time'"
     assert why.code is LeftOut.FINER_UNIT
+
+
+@pytest.mark.parametrize(("step", "level"), [(5.0, Level.SOUND), (1.25, Level.CARE)])
+def test_a_guessed_unit_calls_for_care_unless_a_clock_counts_so(tmp_path: Path, step: float, level: Level) -> None:
+    """Whole numbers are those of a board that counts milliseconds; with decimals they may as well be seconds."""
+    time = step * np.arange(800)
+    samples = np.exp(-0.05 * time / 100) * np.cos(2 * np.pi * time / 100) * 100
+    samples += np.random.default_rng(1).standard_normal(800)
+    path = tmp_path / "a.csv"
+    np.savetxt(path, np.column_stack([time, samples]), fmt="%.8g", delimiter=",", header="time,seat", comments="")
+    found = analyse(path)
+    assert found.modes.wn == pytest.approx([2 * np.pi * 10], rel=1e-3)
+    codes = {check.remark.code for check in found.verdict.checks}
+    assert (found.verdict.level, RecordCheck.GUESSED_UNIT in codes) == (level, level is Level.CARE)
 
 
 @pytest.mark.parametrize(("step", "unit"), [(33.0, 1e3), (100.0, 1e3), (499.0, 1e3), (1872.0, 1e6), (20_000.0, 1e6)])

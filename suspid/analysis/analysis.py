@@ -11,6 +11,7 @@ from suspid.analysis.choice import doubts_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import belonging
 from suspid.decays import Decay, Decays
+from suspid.files import printable
 from suspid.greybox import Estimate, parameter_table
 from suspid.identification import (
     Identification,
@@ -27,7 +28,7 @@ from suspid.recordings import Recording
 from suspid.results import Result
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.words import Check, Defect, Level, ModeCheck, Note, Number, RecordCheck, Remark, Verdict
+from suspid.words import Check, Defect, LeftOut, Level, ModeCheck, Note, Number, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
@@ -182,7 +183,7 @@ class Analysis(Result):
             found = Verdict(found.headline, tuple(kept))
         best = self.estimate or self.reconstruction
         springs = () if best is None else best.verdict.checks
-        of_recording = list(_of_recording(self.cleaned))
+        of_recording = list(_of_recording(self.recording, self.cleaned))
         if self.tests and self.repeats is not None:
             of_recording = list(belonging(self.repeats, list(self.repeats.names)))
             of_recording += [
@@ -190,7 +191,7 @@ class Analysis(Result):
                 for name, test in self.tests.items()
                 for check in (
                     *doubts_of(test.used, test.identification, test.decays),
-                    *_of_recording(test.cleaned),
+                    *_of_recording(test.recording, test.cleaned),
                 )
             ]
         doubts = doubts_of(self.used, self.identification, self.decays)
@@ -229,8 +230,12 @@ class Analysis(Result):
         return "\n\n".join([*parts, str(self.verdict)])
 
 
-def _of_recording(cleaned: Cleaned) -> Iterator[Check]:
+def _of_recording(recording: Recording | None, cleaned: Cleaned) -> Iterator[Check]:
     """Return the checks of the recording that the identification cannot see."""
+    for name, remark in () if recording is None else recording.left_out:
+        if remark.code is LeftOut.FINER_UNIT and not remark.numbers["whole"]:
+            guessed: dict[str, Number] = {"name": printable(name), **{k: remark.numbers[k] for k in ("unit", "step")}}
+            yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
     against = [finding.check for finding in cleaned.findings if finding.check.level < Level.NOTE]
     overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
     yield from overridden

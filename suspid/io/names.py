@@ -69,6 +69,10 @@ HEADED = re.compile(
 )
 
 
+# How far a column may be off, behind its name and unit.
+TOLERANCE = re.compile(r" [\[(] ?(?:±|\+/?-)[^()\[\]]*[\])]$")
+
+
 def plain(text: str) -> str:
     """Return a text with single blanks, as far as a pattern is to look: patterns take the power of its length.
 
@@ -100,8 +104,13 @@ def bracketed_unit(name: str) -> str:
     >>> bracketed_unit("seat [mm]"), bracketed_unit("acc (m/s^2)"), bracketed_unit("a_seat_m/s2")
     ('mm', 'm/s^2', '')
     """
-    found = BRACKETED.fullmatch(plain(name))
+    found = BRACKETED.fullmatch(_without_tolerance(name))
     return found[2].strip() if found else ""
+
+
+def _without_tolerance(name: str) -> str:
+    """Return a name, plain, without how far its column may be off, in brackets behind it."""
+    return TOLERANCE.sub("", plain(name))
 
 
 def unit_in_name(name: str) -> str:
@@ -127,9 +136,11 @@ def split_unit(name: str) -> tuple[str, str]:
     (('time', 'ms'), ('t', 's'), ('timedomain', ''))
     >>> split_unit("Zeit in ms"), split_unit("time.ms"), split_unit("TimeMs"), split_unit("uptimeNanos")
     (('zeit', 'ms'), ('time', 'ms'), ('time', 'ms'), ('uptime', 'nanos'))
+    >>> split_unit("Time (seconds) (± 0.0083s)"), split_unit("time (+/- 1 ms)")
+    (('time', 'seconds'), ('time', ''))
     """
     # A number behind a name that occurs twice is none of its own.
-    lowered = re.sub(r"\s+\(\d+\)$", "", plain(name)).lower()
+    lowered = re.sub(r"\s+\(\d+\)$", "", _without_tolerance(name)).lower()
     bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(?!\d+\s*[\])])(.*?)\s*[\])]", lowered)
     suffixed = re.fullmatch(r"(.*?)[\s_,/.]+(?:in\s+)?([^\s_,/.]+)", lowered) or JOINED.fullmatch(lowered)
     stem, unit = lowered, ""

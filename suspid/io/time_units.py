@@ -139,7 +139,9 @@ def unit_remark(stamps: RealArray) -> Remark | None:
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
     if finer != "s":
-        return Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step})
+        # Clocks count in whole ms or us; numbers with decimals may as well be s.
+        whole = bool(np.all(stamps[np.isfinite(stamps)] % 1 == 0))
+        return Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step, "whole": whole})
     length = float(np.ptp(known)) if 0 < step < MINUTE_STEP else SHORT_RECORD
     return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / step}) if length < SHORT_RECORD else None
 

@@ -226,6 +226,11 @@ class RecordCheck(Code):
         "out, or find out what was different.",
     )
     IN_TEST = "in test", "{test}: {what}"
+    GUESSED_UNIT = (
+        "guessed unit",
+        "The {name} is not stated. It is taken as {unit}, because steps of {step:.4g} s are too "
+        "slow for a suspension; if it is s, all frequencies are lower by the same factor.",
+    )
     DEFECTS = (
         "defects",
         sentence(

@@ -55,7 +55,9 @@ class DecayDoubt(Code):
     FEW_SAMPLES = (
         "few samples",
         sentence(
-            lambda n: f"too few samples ({n['samples']} after averaging) for {count(int(str(n['modes'])), 'mode')}"
+            lambda n: (
+                f"the quick fit has only {n['samples']} means over samples for {count(int(str(n['modes'])), 'mode')}"
+            )
         ),
     )
     FORCED = (
