@@ -184,9 +184,13 @@ def _extremes(motion: RealArray, times: RealArray) -> RealArray:
     array([ 3.   , -4.125])
     """
     starts = np.concatenate([[0], np.ceil(0.5 * (times[:-1] + times[1:])).astype(int)])
-    parts = np.split(motion, starts[1:])
+    # Two turns between the same samples share them.
+    ends = np.maximum(np.append(starts[1:], len(motion)), starts + 1)
     crests, troughs = (
-        _tops(side * motion, starts + np.array([int(np.argmax(side * part)) for part in parts])) for side in (1, -1)
+        _tops(
+            side * motion, np.array([a + int(np.argmax(side * motion[a:b])) for a, b in zip(starts, ends, strict=True)])
+        )
+        for side in (1, -1)
     )
     even = np.arange(len(times)) % 2 == 0
     both = np.where(even, crests, -troughs), np.where(even, -troughs, crests)
