@@ -100,3 +100,21 @@ def test_a_ripple_of_some_percent_is_no_beat() -> None:
         zeta = np.array([1 - ripple, 1, 1 - ripple, 1, 1 - ripple])
         rows = {name: getattr(found, name)[:5] for name in ("amplitude", "wn", "wn_std", "spans")}
         assert replace(found, **rows, zeta=0.02 * zeta, zeta_std=np.full(5, 1e-5)).beats is beats
+
+
+@pytest.mark.parametrize(
+    ("zeta", "last", "low"), [([0.01, 0.02, 0.03, -0.002], 0.02, 2), ([0.01, 0.02, 0.025, 0.03], 5e-4, 3)]
+)
+def test_the_note_tells_of_swings_whose_damping_is_known(zeta: list[float], last: float, low: int) -> None:
+    """Of the last swings in the noise the damping is open: no note says that it is negative there."""
+    found = identify(as_record(decay(0)[0], timepts=STEP * np.arange(2000)))
+    (each,) = found.amplitude_dependence
+    rows = {name: getattr(each, name)[:4] for name in ("amplitude", "wn", "wn_std", "spans")}
+    one = replace(each, **rows, zeta=np.array(zeta), zeta_std=np.array([5e-4, 5e-4, 5e-4, last]))
+    (note,) = (
+        check.remark.numbers
+        for check in replace(found, amplitude_dependence=(one,)).verdict.checks
+        if check.remark.code is ModeCheck.AMPLITUDE
+    )
+    assert note["low_zeta"] == pytest.approx(0.03)
+    assert note["low"] == pytest.approx(one.amplitude[low])

@@ -77,9 +77,10 @@ def check_amplitudes(found: Identification) -> Iterator[Check]:
     yield check_of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
     if len(found.modes) == 1 and any(each.beats for each in found.amplitude_dependence):
         yield check_of(ModeCheck.BEATS, Level.DOUBTFUL)
-    for mode, each in enumerate(found.amplitude_dependence, 1):
-        if not each.varies:
+    for mode, every in enumerate(found.amplitude_dependence, 1):
+        if not every.varies:
             continue
+        each = every.known
         (high_wn, high_zeta), (low_wn, low_zeta) = each.ends
         numbers: dict[str, Number] = {
             "mode": mode,

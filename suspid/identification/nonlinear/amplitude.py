@@ -67,6 +67,19 @@ class AmplitudeDependence:
         return (float(self.wn[first]), float(self.zeta[first])), (float(self.wn[last]), float(self.zeta[last]))
 
     @property
+    def known(self) -> AmplitudeDependence:
+        """The windows in which the damping ratio is known to its own value; all where those are fewer than two.
+
+        Of the last swings in the noise nothing is told by its ends.
+        """
+        rows = np.flatnonzero(NORMAL_95 * self.zeta_std < np.abs(self.zeta))
+        if len(rows) < 2:
+            return self
+        arrays = ("amplitude", "wn", "zeta", "wn_std", "zeta_std")
+        kept = {name: frozen_real(getattr(self, name)[rows]) for name in arrays}
+        return replace(self, spans=tuple(self.spans[k] for k in rows), **kept)
+
+    @property
     def varies(self) -> bool:
         """Whether frequency or damping differs between two amplitudes by more than both 95 % intervals.
 
