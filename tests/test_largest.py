@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
-from suspid import Identification, Settings, analyse, identify
-from suspid.analysis.largest import _largest, _shrinking, of_largest
+from suspid import Identification, Settings, analyse, as_record, identify
+from suspid.analysis.largest import _as_damped_later, _largest, _shrinking, of_largest
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.signals import Signal, as_signal
@@ -151,6 +151,21 @@ def test_a_pendulum_held_far_up_and_never_at_rest(tmp_path: Path) -> None:
     np.testing.assert_allclose(mode.zeta, decrement / np.hypot(np.pi, decrement), rtol=0.02)
 
 
+@pytest.mark.parametrize("later", [1.2, 2.0])
+def test_damping_that_grows_is_that_of_a_beat(later: float) -> None:
+    first, last = (
+        identify(
+            as_record(
+                np.exp(-rate * TestOfLargest.t) * np.sin(12 * TestOfLargest.t) + TestOfLargest.noise,
+                timepts=TestOfLargest.t,
+            )
+        )
+        for rate in (0.2, 0.2 * later)
+    )
+    assert _as_damped_later([first, None, last]) is (later < 1.5)
+    assert not _as_damped_later([first, None])
+
+
 class TestShrinking:
     t = np.arange(1000) / 100
 
@@ -170,6 +185,24 @@ class TestShrinking:
     def test_a_first_swing_that_takes_longer_is_left_out(self) -> None:
         late = np.exp(-0.1 * self.t) * np.cos(2 * np.pi * (self.t - 0.3 * np.clip(self.t, 0, 0.9)))
         assert self.span(late) == pytest.approx((2.77, 11.99), abs=0.55)
+
+    def test_not_before_the_largest_swing(self) -> None:
+        """A knock of seven swings, and at 5 s a release three times as large."""
+        knock = np.where(self.t < 3.7, np.exp(-0.5 * self.t) * np.sin(2 * np.pi * self.t), 0.0)
+        since = np.maximum(self.t - 3.7, 0)
+        assert self.span(knock + 3 * np.exp(-0.3 * since) * np.sin(2 * np.pi * since)) == pytest.approx(
+            (5.95, 11.99), abs=0.06
+        )
+
+    @pytest.mark.parametrize("second", [1.0, 0.85])
+    def test_half_of_a_beat_and_what_swells_after_it_are_none(self, second: float) -> None:
+        """Two tones that meet at the first sample and are apart by half a turn after 10 s."""
+        both = np.cos(20 * self.t) + second * np.cos((20 + np.pi / 10) * self.t)
+        assert self.span(both) is None
+        free = np.exp(-0.2 * self.t) * np.cos(10 * self.t)
+        assert self.span(free) is not None
+        swells = np.where(self.t > 8, 0.6 * np.sin(10 * (self.t - 8)), 0.0)
+        assert self.span(free + swells) is None
 
     def test_few_swings_and_those_that_swell_again_are_none(self) -> None:
         beat = np.cos(0.7 * self.t) * np.cos(20 * self.t)

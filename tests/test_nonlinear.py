@@ -19,7 +19,8 @@ from suspid import add_noise, free_decay, identify, plot_amplitude, quarter_car
 from suspid.identification import ForceKind, Identification, identification_to_dict
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear.driven import Drive, evaluate
-from suspid.identification.nonlinear.swings import Swings, _extremes, swings_of
+from suspid.identification.nonlinear.swings import Swings, swings_of
+from suspid.identification.nonlinear.turns import extremes
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
 from validation import no_decay
@@ -222,7 +223,7 @@ class TestSwings:
         assert (np.ptp(fall) > 0.01) is not as_acceleration
 
     def test_turns_between_the_same_samples_share_them(self) -> None:
-        assert np.isin(_extremes(np.array([0.0, 2.0, 3.0, 2.0, -3.0]), np.array([1.9, 2.0, 2.1])), [0, 3, -3]).all()
+        assert np.isin(extremes(np.array([0.0, 2.0, 3.0, 2.0, -3.0]), np.array([1.9, 2.0, 2.1])), [0, 3, -3]).all()
 
     def test_a_pole_that_falls_at_once_is_not_continued_before_the_record(self) -> None:
         """Steps of a descent meet such poles; exp(2000) overflows, and users saw the warning of NumPy."""

@@ -36,6 +36,9 @@ CALM_AGAIN, FADED = 1.5, 0.01
 # does.
 # Fewer are common in a resonance that noise drives; that swells again to more than this share of the largest.
 SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
+# Half of a beat shrinks too, hardly at first and most before its node: the first third of free swings falls at this
+# share of the rate of all, and the damping of the first and of the last start are alike to this factor.
+FALLS_AT_ONCE, DAMPED_ALIKE = 1 / 3, 1.5
 # Shares of the motion after which it may be free: what lets it go acts for a while.
 STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
 # Other starts that must show the same modes, for a result that is not doubtful and for one that is.
@@ -59,15 +62,19 @@ def of_largest(
     if len(found.modes) and not (found.verdict.level is Level.DOUBTFUL and larger_elsewhere(record, stretch)):
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
-    span = _largest(as_signal(record)) or _shrinking(as_signal(record))
+    signal = as_signal(record)
+    stands_out = _largest(signal)
+    span = stands_out or _shrinking(signal)
     if span is None:
         return None
     first, last = span
-    count = (last - first) / as_signal(record).step
+    count = (last - first) / signal.step
     if not FEWEST_SAMPLES / (1 - STARTS_TRIED[-1]) <= count <= LONGEST_TRIED:
         return None
     parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS_TRIED]
     tries = [tried(part, settings) for part in parts]
+    if stands_out is None and not _as_damped_later(tries):
+        return None
     levels = ((Level.CARE, AGREE),) if len(found.modes) else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
         for part, one in zip(parts, tries, strict=True):
@@ -112,6 +119,9 @@ def _shrinking(signal: Signal) -> tuple[Second, Second] | None:
         first += int(uneven[-1]) + 1 if uneven.size else 0
         if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
             continue
+        falls = -np.diff(np.log(sizes[first:last]))
+        if np.mean(falls[: len(falls) // 3]) < FALLS_AT_ONCE * np.mean(falls):
+            continue
         if most is None or last - first > most[1] - most[0]:
             ends = len(samples) - 1 if last == len(sizes) else int(turns[last])
             most = first, last, int(turns[first]), ends
@@ -131,6 +141,15 @@ def _plain(found: Identification, level: Level) -> bool:
 def _follows(found: Identification, level: Level) -> bool:
     """Return whether modes explain most of the motion, and are at least as sure as a level."""
     return bool(len(found.modes)) and float(np.max(found.explained)) > MOST_OF_IT and found.verdict.level >= level
+
+
+def _as_damped_later(tries: Sequence[Identification | None]) -> bool:
+    """Return whether the strongest motion is damped alike from the first start on and from the last one."""
+    first, last = tries[0], tries[-1]
+    if first is None or last is None or not (len(first.modes) and len(last.modes)):
+        return False
+    zeta, later = float(np.min(first.modes.zeta)), float(np.min(last.modes.zeta))
+    return zeta > 0 and later > 0 and max(zeta, later) < DAMPED_ALIKE * min(zeta, later)
 
 
 def _agreeing(one: Identification, tries: Sequence[Identification | None], level: Level) -> int:

@@ -64,7 +64,8 @@ def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
     ('sound', '2 modes found')
     """
     if not len(found.modes):
-        checks = (*_why_none(found), *_late_motion(found), *_steady_tones(found))
+        tones = _left_out(found, Reason.TONE, ModeCheck.STEADY_TONES, Level.NOTE)
+        checks = (*_why_none(found), *_late_motion(found), *tones)
         return Verdict(Remark(Headline.NO_MODE), checks)
     return Verdict(Remark(Headline.MODES, {"modes": len(found.modes)}), tuple(_checks(found, level)))
 
@@ -87,6 +88,8 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from rough
     yield from check_cycles(found)
     yield from check_resolution(found)
+    if len(found.modes):
+        yield from _left_out(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
     yield from check_parts(found)
     yield from check_rows(found)
     yield from check_followed(found)
@@ -106,7 +109,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     if np.max(found.explained) >= LEAST_EXPLAINED:
         yield from _unexplained(found)
     yield from check_phases(found)
-    yield from _steady_tones(found)
+    yield from _left_out(found, Reason.TONE, ModeCheck.STEADY_TONES, Level.NOTE)
     if found.method != "ridge":
         yield from _idle_bandwidths(found)
     if np.any(found.loudness > 1):
@@ -241,11 +244,12 @@ def _left_by_a_mode(found: Identification, line: Hertz) -> bool:
     return bool(np.any(np.abs(multiples - line) < np.maximum(NEAR_A_MODE * multiples, 3 * resolution_hz)))
 
 
-def _steady_tones(found: Identification) -> Iterator[Check]:
-    tones = [c for c in found.considered if c.removed and c.remark.code is Reason.TONE]
-    if tones:
-        hertz = ", ".join([f"{abs(c.pole) / (2 * np.pi):.4g}" for c in tones[:4]] + ["…"] * (len(tones) > 4))
-        yield check_of(ModeCheck.STEADY_TONES, Level.NOTE, {"number": len(tones), "hertz": hertz})
+def _left_out(found: Identification, reason: Reason, check: ModeCheck, level: Level) -> Iterator[Check]:
+    """Check that nothing was removed with the fit for a reason."""
+    poles = [c.pole for c in found.considered if c.removed and c.remark.code is reason]
+    if poles:
+        hertz = ", ".join([f"{abs(pole) / (2 * np.pi):.4g}" for pole in poles[:4]] + ["…"] * (len(poles) > 4))
+        yield check_of(check, level, {"number": len(poles), "hertz": hertz})
 
 
 def _dropped(found: Identification) -> Iterator[Check]:

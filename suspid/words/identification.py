@@ -297,6 +297,16 @@ class ModeCheck(Code):
         "The candidate bandwidths are used only for the scalogram and the skeletons: these modes were found by "
         "likelihood; method 'ridge' finds them with the wavelet.",
     )
+    TRACES = (
+        "traces",
+        sentence(
+            lambda n: (
+                f"{count(int(str(n['number'])), 'trace')} ({n['hertz']} Hz) {'is' if n['number'] == 1 else 'are'} not "
+                f"among the modes: weak, and hardly known. Less noise would show whether "
+                f"{'it is a mode' if n['number'] == 1 else 'they are modes'}."
+            )
+        ),
+    )
     STEADY_TONES = (
         "steady tones",
         sentence(

@@ -38,8 +38,8 @@ class Reason(Code):
     UNKNOWN = "unknown", "not determined: the record leaves its frequency and damping open"
     TRACE = (
         "trace",
-        "a trace: less than a thousandth of the energy of the strongest mode, and its damping or its frequency is "
-        "hardly known; what a sensor adds looks the same",
+        "a trace: its damping or its frequency is hardly known, and its energy is next to nothing beside the strongest "
+        "mode; what a sensor adds looks the same",
     )
     OF_NO_MODE = "of no mode", "a multiple, or a sum, of motion whose own frequency is not determined"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"

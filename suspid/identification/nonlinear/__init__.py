@@ -5,7 +5,7 @@ Adams and Allemang, J. Sound Vib. 238, 2000): one mode then explains what would 
 for them, `modes_of_bent` makes modes of what it finds, `AmplitudeDependence` is how one of them depends on amplitude.
 """
 
-from suspid.identification.nonlinear.amplitude import AmplitudeDependence
+from suspid.identification.nonlinear.dependence import AmplitudeDependence
 from suspid.identification.nonlinear.estimates import modes_of_bent
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.forces import Force, ForceKind

@@ -3,106 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from suspid.identification.covariance import inverse_information
+from suspid.identification.nonlinear.dependence import AmplitudeDependence
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
 from suspid.identification.nonlinear.local import local_changes
 from suspid.identification.nonlinear.swings import by_pole, cuts_of, mean_of, swings_of
-from suspid.levels import NORMAL_95, SURE
-from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
+from suspid.levels import SURE
+from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
-# Share of the largest damping by which it is larger at one amplitude than at others. A smaller one takes the ripple of
-# bilinear springs for a beat.
-RIPPLE = 0.2
 # Cycles of the slowest mode that are described at least, however weak a mode is.
 CYCLES_DESCRIBED = 2
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class AmplitudeDependence:
-    """Natural frequency and damping ratio of a mode over the amplitudes that were met.
-
-    Each is that of the linear system whose motion decays and turns as much, within whole cycles of the mode: damping
-    from the logarithmic decrement, frequency from the time that the cycles take.
-
-    Parameters
-    ----------
-    spans : tuple of (float, float)
-        Start and end of each window [s].
-    channel : str
-        The channel in whose unit the amplitude is: that of the largest motion.
-    amplitude : ndarray (window,)
-        Amplitude of the mode: geometric mean of those at both ends of the window, in the unit of the channel.
-    wn : ndarray (window,)
-        Natural frequency [rad/s].
-    zeta : ndarray (window,)
-        Damping ratio [1].
-    wn_std, zeta_std : ndarray (window,)
-        Their standard deviations.
-    holds_at : float
-        The amplitude at which the values of the table of modes hold: the pole there is the mean over all cycles.
-    """
-
-    spans: tuple[tuple[Second, Second], ...]
-    channel: str
-    amplitude: RealArray
-    wn: RealArray
-    zeta: RealArray
-    wn_std: RealArray
-    zeta_std: RealArray
-    holds_at: float
-
-    @property
-    def ends(self) -> tuple[tuple[RadianPerSecond, Ratio], tuple[RadianPerSecond, Ratio]]:
-        """Natural frequency and damping ratio at the largest and at the smallest amplitude."""
-        first, last = int(np.argmax(self.amplitude)), int(np.argmin(self.amplitude))
-        return (float(self.wn[first]), float(self.zeta[first])), (float(self.wn[last]), float(self.zeta[last]))
-
-    @property
-    def known(self) -> AmplitudeDependence:
-        """The windows in which the damping ratio is known to its own value; all where those are fewer than two.
-
-        Of the last swings in the noise nothing is told by its ends.
-        """
-        rows = np.flatnonzero(NORMAL_95 * self.zeta_std < np.abs(self.zeta))
-        if len(rows) < 2:
-            return self
-        arrays = ("amplitude", "wn", "zeta", "wn_std", "zeta_std")
-        kept = {name: frozen_real(getattr(self, name)[rows]) for name in arrays}
-        return replace(self, spans=tuple(self.spans[k] for k in rows), **kept)
-
-    @property
-    def varies(self) -> bool:
-        """Whether frequency or damping differs between two amplitudes by more than both 95 % intervals.
-
-        Friction and springs that harden change both; a damper that differs in compression and rebound changes neither.
-        """
-        pairs = (self.wn, self.wn_std), (self.zeta, self.zeta_std)
-        return any(
-            bool(np.any(np.abs(values[:, None] - values) > NORMAL_95 * np.maximum(stds[:, None], stds)))
-            for values, stds in pairs
-        )
-
-    @property
-    def beats(self) -> bool:
-        """Whether the damping is largest between larger and smaller amplitudes, or negative, by twice the intervals.
-
-        Friction damps small motions more, drag large ones, and together those between least. Where parts end within a
-        cycle of a bilinear spring, the damping ripples by some percent; by less than `RIPPLE` it is not larger.
-        """
-        apart = 2 * NORMAL_95 * np.maximum(self.zeta_std[:, None], self.zeta_std)
-        apart = np.maximum(apart, RIPPLE * np.max(np.abs(self.zeta)))
-        above = self.zeta[:, None] - self.zeta > apart
-        largest = np.any(np.tril(above), axis=1) & np.any(np.triu(above), axis=1)
-        return bool(np.any(largest) or np.any(self.zeta < -2 * NORMAL_95 * self.zeta_std))
 
 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
@@ -274,16 +193,32 @@ def _parts(
     """Return exponent, derivatives and span in samples of each part of a decay, and the amplitude in each, (part,)."""
     swings = swings_of(fit, pole) if len(fit.drive.theta) == 1 else None
     if swings is not None:
-        # A spring that bends to one side may part the two swings of a cycle unevenly.
-        pairs = [(2 * a, 2 * b) for a, b in pairwise(cuts_of(np.log(swings.size[::2]), least=1))]
-        if (over := len(swings.size) - 1 - pairs[-1][1]) or not pairs[0][1]:
-            pairs[-1] = (pairs[-1][0] + (over if len(pairs) > 1 else 0), len(swings.size) - 1)
+        pairs = _whole_cycles(swings.size)
         between = np.array([np.sqrt(swings.size[a] * swings.size[b]) for a, b in pairs])
         return [(*swings.pole(a, b), (float(swings.time[a]), float(swings.time[b]))) for a, b in pairs], between
     pairs = _part_pairs(fit, pole)
     envelope = np.log(size * np.abs(fit.states[pole]) + 1e-300)
     inside = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in pairs])
     return [(*_equivalent_pole(fit, pole, slice(a, b + 1)), (float(a), float(b))) for a, b in pairs], inside
+
+
+def _whole_cycles(sizes: RealArray) -> list[tuple[int, int]]:
+    """Return first and last swings of windows of whole cycles, between which the sizes fall by about equal parts.
+
+    A spring that bends to one side may part the two swings of a cycle unevenly. The last window ends with the last
+    swing; where that is one too many, it begins a swing later.
+
+    Examples
+    --------
+    >>> [_whole_cycles(0.5 ** np.arange(swings)) for swings in (2, 3, 4, 7, 8)]
+    [[(0, 1)], [(0, 2)], [(0, 3)], [(0, 2), (2, 4), (4, 6)], [(0, 2), (2, 4), (5, 7)]]
+    """
+    last = len(sizes) - 1
+    if last < 4:
+        return [(0, last)]
+    pairs = [(2 * a, 2 * b) for a, b in pairwise(cuts_of(np.log(sizes[::2]), least=1))]
+    over = last - pairs[-1][1]
+    return [*pairs[:-1], (pairs[-1][0] + over, last)]
 
 
 def where_holds(holds: complex, poles: ComplexArray, amplitude: RealArray) -> float:

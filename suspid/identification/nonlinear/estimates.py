@@ -9,12 +9,12 @@ import numpy as np
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_near, shared_noise
 from suspid.identification.nonlinear.amplitude import (
-    AmplitudeDependence,
     covariance_of,
     dependence,
     mean_over_parts,
     window_changes,
 )
+from suspid.identification.nonlinear.dependence import AmplitudeDependence
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.linearised import modes_of_structure

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_near, shared_noise
-from suspid.identification.nonlinear.amplitude import AmplitudeDependence, over_windows
+from suspid.identification.nonlinear.amplitude import over_windows
+from suspid.identification.nonlinear.dependence import AmplitudeDependence
 from suspid.identification.nonlinear.describing import describing
 from suspid.identification.nonlinear.forces import OF_SPEED
 from suspid.identification.nonlinear.local import local_changes

@@ -9,6 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.turns import (
+    extremes,
+    first_swing,
+    measured_turns,
+    middles,
+    prolonged,
+    turns_through_zero,
+)
 from suspid.levels import SURE
 from suspid.units import ComplexArray, RealArray
 
@@ -16,11 +24,7 @@ from suspid.units import ComplexArray, RealArray
 MISSED, MISSED_SHARE = 3.0, 0.1
 # Forces show as in an acceleration if what they add lies within this share of what their gains say.
 LIKE_AN_ACCELERATION = 0.5
-# A swing that is this many times as large as the first is the first: what decays makes no larger one.
-HELD_BEFORE = 1.2
 # At its turns a motion rises or falls by less than this share of what it does between them: at a sixth of a quarter of
-# a cycle from them by more.
-ALIGNED = 0.3
 # Share of a cycle before and after a sample over which a measured motion is seen to rise: noise turns shorter ways.
 CYCLE_SHARE = 0.125
 # A state that falls by this many e-foldings within the samples before the record is not continued there: 1e-100.
@@ -94,15 +98,15 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     first = window.indices(fit.states.shape[1])[0]
     push = fit.drive.gains[pole] @ fit.drive.forces[:, [first, first + len(state) - 1]]
     measured = (fit.values - fit.residual)[strongest, window][: len(state)]
-    state = _prolonged(state, theta, push, more)
-    times = _turns(np.real(amplitude * theta * state)) - more
+    state = prolonged(state, theta, push, more)
+    times = turns_through_zero(np.real(amplitude * theta * state)) - more
     times = times[(times > -most) & (times < len(measured) - 1 + most)]
     changed = _changed_by_forces(fit, pole, strongest)
     if changed:
         # What is turned before or after the record was not measured.
         times = times[(times > -0.5) & (times < len(measured) - 0.5)]
     if changed and len(times) > 2:
-        times = _measured_turns(measured, times, max(1, round(CYCLE_SHARE * 2 * np.pi / theta.imag)))
+        times = measured_turns(measured, times, max(1, round(CYCLE_SHARE * 2 * np.pi / theta.imag)))
     if len(times) < 3:
         return None
     slopes = fit.slopes[own][:, window][:, : len(measured)]
@@ -111,21 +115,16 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
     rows = np.vstack([logs, slopes / state])
     rows = rows[:, at] + (times + more - at) * (rows[:, at + 1] - rows[:, at])
-    positions = _extremes(measured, times) if changed else np.real(amplitude * np.exp(rows[0]))
+    positions = extremes(measured, times) if changed else np.real(amplitude * np.exp(rows[0]))
     size = 0.5 * np.abs(np.diff(positions))
     # What is lost in the noise was not met.
     lost = np.flatnonzero(size <= SURE * np.sqrt(fit.variance[strongest]))
     last = int(lost[0]) if lost.size else len(size)
-    # What is held at first turns without a swing.
-    largest = int(np.argmax(size[:3]))
-    seen = slice(largest if size[largest] > HELD_BEFORE * size[0] else 0, last)
+    seen = slice(first_swing(size), last)
     if len(size[seen]) < 2:
         return None
-    lasts = np.diff(times)[seen]
-    # Where friction stops the motion its last turn is not seen, and the state goes on for a while.
-    lasts[-1] = min(lasts[-2:])
     slopes = 0.5 * (rows[1:, :-1] + rows[1:, 1:])[:, seen]
-    return Swings(time=times[:-1][seen] + 0.5 * lasts, size=size[seen], slopes=slopes, own=own, free=fit.drive.free)
+    return Swings(time=middles(times)[seen], size=size[seen], slopes=slopes, own=own, free=fit.drive.free)
 
 
 def _changed_by_forces(fit: DrivenFit, pole: int, channel: int) -> bool:
@@ -142,96 +141,6 @@ def _changed_by_forces(fit: DrivenFit, pole: int, channel: int) -> bool:
     told = np.real(fit.amplitudes[pole, channel] * drive.gains[pole] / drive.theta[pole])
     off, like = (direct - told) @ drive.forces, told @ drive.forces
     return bool(np.linalg.norm(off) >= LIKE_AN_ACCELERATION * np.linalg.norm(like))
-
-
-def _measured_turns(motion: RealArray, times: RealArray, reach: int) -> RealArray:
-    """Return when a motion turns: at given times, or where it is seen to rise or fall at those.
-
-    Forces follow noise in part, and what they drive may turn at other times than what they add to.
-    """
-    rises = _risen(motion, reach)
-    at, between = (
-        np.abs(rises[np.clip(np.round(each).astype(int), 0, len(motion) - 1)])
-        for each in (times, 0.5 * (times[:-1] + times[1:]))
-    )
-    if np.median(at) < ALIGNED * np.median(between):
-        return times
-    turns = _turns(rises)
-    # What the ends of the record cut off has no rise.
-    return np.asarray(turns[(turns > reach) & (turns < len(motion) - 1 - reach)])
-
-
-def _risen(motion: RealArray, reach: int) -> RealArray:
-    """Return by how much a motion rises from a number of samples before to as many after each.
-
-    Examples
-    --------
-    >>> _risen(np.array([0.0, 2.0, 5.0, 1.0]), 1)
-    array([ 2.,  5., -1., -4.])
-    """
-    padded = np.pad(motion, reach, mode="edge")
-    return np.asarray(padded[2 * reach :] - padded[: -2 * reach])
-
-
-def _extremes(motion: RealArray, times: RealArray) -> RealArray:
-    """Return the crest or the trough of a motion about each of the times at which it turns, one after the other.
-
-    It is that of the parabola through three samples.
-
-    Examples
-    --------
-    >>> _extremes(np.array([0.0, 2.0, 3.0, 2.0, -3.0, -4.0, -4.0]), np.array([1.9, 5.4])).round(3)
-    array([ 3.   , -4.125])
-    """
-    starts = np.concatenate([[0], np.ceil(0.5 * (times[:-1] + times[1:])).astype(int)])
-    # Two turns between the same samples share them.
-    ends = np.maximum(np.append(starts[1:], len(motion)), starts + 1)
-    crests, troughs = (
-        _tops(
-            side * motion, np.array([a + int(np.argmax(side * motion[a:b])) for a, b in zip(starts, ends, strict=True)])
-        )
-        for side in (1, -1)
-    )
-    even = np.arange(len(times)) % 2 == 0
-    both = np.where(even, crests, -troughs), np.where(even, -troughs, crests)
-    return np.asarray(max(both, key=lambda positions: float(np.sum(np.abs(np.diff(positions))))))
-
-
-def _tops(motion: RealArray, at: NDArray[np.intp]) -> RealArray:
-    """Return the tops of the parabolas through samples that are no smaller than their neighbours, and those."""
-    at = np.clip(at, 1, len(motion) - 2)
-    before, top, after = motion[at - 1], motion[at], motion[at + 1]
-    bend = 2 * top - before - after
-    between = np.where(bend > 0, (after - before) ** 2 / np.maximum(8 * bend, 1e-300), 0.0)
-    highest = np.maximum(np.maximum(before, after), top)
-    return np.asarray(np.where((top >= before) & (top >= after), top + between, highest))
-
-
-def _prolonged(state: ComplexArray, theta: complex, push: ComplexArray, more: int) -> ComplexArray:
-    """Return a state with some samples more at both ends, where the first and last of what pushes it go on.
-
-    Examples
-    --------
-    >>> state = np.exp(0.1j * np.arange(3))
-    >>> np.angle(_prolonged(state, 0.1j, np.zeros(2), 1)).round(12).tolist()
-    [-0.1, 0.0, 0.1, 0.2, 0.3]
-    """
-    steps = theta * np.arange(1, more + 1)
-    before = np.exp(-steps) * state[0] + push[0] * np.expm1(-steps) / theta
-    after = np.exp(steps) * state[-1] + push[1] * np.expm1(steps) / theta
-    return np.concatenate([before[::-1], state, after])
-
-
-def _turns(speed: RealArray) -> RealArray:
-    """Return where a speed passes through 0, in samples.
-
-    Examples
-    --------
-    >>> _turns(np.array([2.0, 1.0, -1.0, -2.0]))
-    array([1.5])
-    """
-    passed = np.flatnonzero((speed[:-1] > 0) != (speed[1:] > 0))
-    return np.asarray(passed + speed[passed] / (speed[passed] - speed[passed + 1]))
 
 
 def cuts_of(envelope: RealArray, *, least: int) -> list[int]:
