@@ -107,6 +107,14 @@ def test_other_files_under_the_name_of_text_are_told(tmp_path: Path, start: byte
         read_recording(tmp_path / "r.csv")
 
 
+@pytest.mark.parametrize("start", ["<Document>\n  <Version>3.8</Version>", '\ufeff<?xml version="1.0"?><cassylab>'])
+def test_documents_of_other_programs_are_told(tmp_path: Path, start: str) -> None:
+    path = tmp_path / "r.cmbl"
+    path.write_text(start + "\n1 2 3\n" * 100, encoding="utf-8")
+    with pytest.raises(RecordError, match=r"it looks like a document of another program, in XML \(export its table"):
+        read_recording(path)
+
+
 def test_a_name_that_no_file_can_have_is_told() -> None:
     with pytest.raises(RecordError, match="there is no such file"):
         read_recording("x" * 5000)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import codecs
 import importlib
 import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,6 +69,8 @@ UNREADABLE = (
     (b"\x1f\x8b", "compressed with gzip (unpack it)"),
     (b"{", "JSON (a record is a table)"),
 )
+# An element of XML is followed by another.
+XML = re.compile(rb"\s*<(?:\?xml\s|\w+[^<>]{0,200}>\s*<)")
 MDF = BY_SUFFIX[".mdf"]
 
 
@@ -126,6 +129,8 @@ def appearance(path: Path) -> str | None:
     for mark, name in UNREADABLE:
         if head.startswith(mark):
             return name
+    if XML.match(head.removeprefix(codecs.BOM_UTF8)):
+        return "a document of another program, in XML (export its table as CSV there)"
     wide = head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     return None if head and (wide or not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")) else ""
 
