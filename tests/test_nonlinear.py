@@ -19,7 +19,7 @@ from suspid import add_noise, free_decay, identify, plot_amplitude, quarter_car
 from suspid.identification import ForceKind, Identification, identification_to_dict
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear.driven import Drive, evaluate
-from suspid.identification.nonlinear.swings import Swings, swings_of
+from suspid.identification.nonlinear.swings import Swings, _changed_by_forces, swings_of
 from suspid.identification.nonlinear.turns import extremes
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
@@ -222,8 +222,47 @@ class TestSwings:
         fall = np.log(swings.size[:-1] / swings.size[1:])
         assert (np.ptp(fall) > 0.01) is not as_acceleration
 
-    def test_turns_between_the_same_samples_share_them(self) -> None:
-        assert np.isin(extremes(np.array([0.0, 2.0, 3.0, 2.0, -3.0]), np.array([1.9, 2.0, 2.1])), [0, 3, -3]).all()
+    @pytest.mark.parametrize("times", [[1.9, 2.0, 2.1], [3.1, 3.3, 3.4, 5.0], [1.0, 4.0, 8.8, 9.45]])
+    def test_turns_between_the_same_samples_share_them(self, times: list[float]) -> None:
+        motion = np.sin(np.arange(10.0))
+        found = extremes(motion, np.array(times))
+        assert found.shape == (len(times),)
+        assert np.all(np.abs(found) <= 1.01)
+
+    def test_the_pole_of_a_mode_is_told_by_the_middles_of_its_swings(self) -> None:
+        """The logarithm of its state changes with the exponent as time goes on."""
+        theta = 0.1 * (-0.02 + 1j * np.sqrt(1 - 0.02**2))
+        values = np.exp(theta * np.arange(400)).real[None]
+        none = Drive(
+            theta=np.array([theta]), gains=np.zeros((1, 0), complex), forces=np.zeros((0, 400)), nuisances=np.zeros(0)
+        )
+        fit = evaluate(values, none, noise_of(values))
+        assert fit is not None
+        swings = swings_of(fit, 0)
+        assert swings is not None
+        # The first turn is just before the record.
+        np.testing.assert_allclose(swings.slopes[0, 1:], swings.time[1:], rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(swings.time, (np.arange(len(swings.time)) + 0.5) * np.pi / theta.imag, atol=0.3)
+
+    def test_forces_that_cancel_each_other_change_no_swing(self) -> None:
+        """Two of them are alike to a thousandth; what they show together is what the gain says."""
+        theta = 0.1 * (-0.02 + 1j * np.sqrt(1 - 0.02**2))
+        time = np.arange(400)
+        force = np.exp(theta * time).real ** 3
+        drive = Drive(
+            theta=np.array([theta]),
+            gains=np.array([[0.003j, 0.0]]),
+            forces=np.array([force, force + 1e-3 * np.sin(3.3 * time)]),
+            nuisances=np.zeros(0),
+            through=True,
+        )
+        alone = evaluate(force[None], replace(drive, through=False), noise_of(force[None]))
+        assert alone is not None
+        values = (alone.states[0].real + np.array([-2.97, 3.0]) @ drive.forces)[None]
+        fit = evaluate(values, drive, noise_of(values))
+        assert fit is not None
+        assert np.max(np.abs(fit.coefficients[-2:])) > 1
+        assert not _changed_by_forces(fit, 0, 0)
 
     def test_a_pole_that_falls_at_once_is_not_continued_before_the_record(self) -> None:
         """Steps of a descent meet such poles; exp(2000) overflows, and users saw the warning of NumPy."""

@@ -87,11 +87,7 @@ def turns_of(samples: RealArray, least: float) -> NDArray[np.intp]:
 
     # Where a turn rests, its first sample.
     tops, lows = (find_peaks(side * samples, prominence=least, plateau_size=1)[1]["left_edges"] for side in (1.0, -1.0))
-    turns = np.concatenate([tops, lows])
-    sizes = np.concatenate([samples[tops], -samples[lows]])
-    order = np.argsort(turns)
-    # Turns to one side that follow one another are one swing.
-    swing = np.cumsum(np.diff(order < len(tops), prepend=False))
-    largest = np.lexsort((turns[order], -sizes[order], swing))
-    _, first = np.unique(swing[largest], return_index=True)
-    return np.asarray(np.sort(turns[order][largest][first]))
+    order = np.argsort(np.concatenate([tops, lows]), kind="stable")
+    # Turns to one side that follow one another are as far out, and one swing.
+    to_other_side = np.diff((order < len(tops)).astype(int), prepend=-1) != 0
+    return np.asarray(np.concatenate([tops, lows])[order][to_other_side])

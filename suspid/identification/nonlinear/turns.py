@@ -57,6 +57,8 @@ def measured_turns(motion: RealArray, times: RealArray, reach: int) -> RealArray
     array([10.5, 20.5, 30.5])
     >>> measured_turns(motion, np.array([14.0, 24.0, 34.0]), 2).round(6)
     array([10., 20., 30., 40.])
+    >>> measured_turns(motion[9:], np.array([5.0, 15.0]), 2).round(6)
+    array([11., 21., 31.])
     """
     rises = _risen(motion, reach)
     at, between = (
