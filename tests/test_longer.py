@@ -1,16 +1,19 @@
 """Of a decay that a record shows in parts, the whole is used where that tells more."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from suspid import Identification, analyse, identify
-from suspid.analysis.longer import shared_modes
+from suspid.analysis.choice import explained_by_forces
+from suspid.analysis.longer import _shows_more, shared_modes
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear import choice, motion, search, structure
 from suspid.identification.nonlinear.feedback import Record
 from suspid.records import as_response
+from suspid.words import Reason
 from validation import rigs
 
 
@@ -120,3 +123,19 @@ def test_a_hum_that_never_fades_is_strong_by_what_it_is_within_the_record(
         nuisances=np.zeros(1),
     )
     assert choice.out_of_reach(record) is beyond
+
+
+def test_forces_explain_what_is_longer_than_a_stretch_with_a_trace() -> None:
+    """The end of a pendulum with drag looks like a linear decay; what is beside it there makes that no better."""
+    time = np.arange(3000) / 100
+    rng = np.random.default_rng(1)
+    # A decay under drag alone: one over its amplitude rises along a line.
+    bends = np.cos(7 * time) / (1 + 0.3 * time) + 1e-3 * rng.standard_normal(time.size)
+    end = np.exp(-0.14 * time) * np.cos(7 * time) + 0.004 * np.exp(-0.26 * time) * np.cos(26 * time)
+    longer = identify(as_response(time, bends[None], ["seat"]))
+    found = identify(as_response(time, (end + 0.006 * rng.standard_normal(time.size))[None], ["seat"]))
+    assert longer.forces
+    assert any(one.remark.code is Reason.TRACE for one in found.considered)
+    assert _shows_more(longer, found) is explained_by_forces(longer) is True
+    alone = replace(found, considered=())
+    assert not _shows_more(longer, alone)
