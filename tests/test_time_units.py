@@ -78,6 +78,9 @@ def test_a_guessed_unit_calls_for_care_unless_a_clock_counts_so(tmp_path: Path, 
     assert found.modes.wn == pytest.approx([2 * np.pi * 10], rel=1e-3)
     codes = {check.remark.code for check in found.verdict.checks}
     assert (found.verdict.level, RecordCheck.GUESSED_UNIT in codes) == (level, level is Level.CARE)
+    # A stated rate takes its place.
+    stated = analyse(path, settings=Settings(fs=1e3 / step))
+    assert RecordCheck.GUESSED_UNIT not in {check.remark.code for check in stated.verdict.checks}
 
 
 @pytest.mark.parametrize(("step", "unit"), [(33.0, 1e3), (100.0, 1e3), (499.0, 1e3), (1872.0, 1e6), (20_000.0, 1e6)])

@@ -183,7 +183,7 @@ class Analysis(Result):
             found = Verdict(found.headline, tuple(kept))
         best = self.estimate or self.reconstruction
         springs = () if best is None else best.verdict.checks
-        of_recording = list(_of_recording(self.recording, self.cleaned))
+        of_recording = list(_of_recording(self))
         if self.tests and self.repeats is not None:
             of_recording = list(belonging(self.repeats, list(self.repeats.names)))
             of_recording += [
@@ -191,7 +191,7 @@ class Analysis(Result):
                 for name, test in self.tests.items()
                 for check in (
                     *doubts_of(test.used, test.identification, test.decays),
-                    *_of_recording(test.recording, test.cleaned),
+                    *_of_recording(test),
                 )
             ]
         doubts = doubts_of(self.used, self.identification, self.decays)
@@ -230,15 +230,17 @@ class Analysis(Result):
         return "\n\n".join([*parts, str(self.verdict)])
 
 
-def _of_recording(recording: Recording | None, cleaned: Cleaned) -> Iterator[Check]:
+def _of_recording(found: Analysis) -> Iterator[Check]:
     """Return the checks of the recording that the identification cannot see."""
-    for name, remark in () if recording is None else recording.left_out:
+    against = [finding.check for finding in found.cleaned.findings if finding.check.level < Level.NOTE]
+    overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
+    yield from overridden
+    # A stated rate takes the place of what was guessed.
+    guesses = () if found.recording is None or found.settings.fs is not None else found.recording.left_out
+    for name, remark in guesses:
         if remark.code is LeftOut.FINER_UNIT and not remark.numbers["whole"]:
             guessed: dict[str, Number] = {"name": printable(name), **{k: remark.numbers[k] for k in ("unit", "step")}}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
-    against = [finding.check for finding in cleaned.findings if finding.check.level < Level.NOTE]
-    overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
-    yield from overridden
     others = [str(check.remark.code) for check in against if check not in overridden]
     if others:
         numbers: dict[str, Number] = {"number": len(others), "kinds": tuple(dict.fromkeys(others))}

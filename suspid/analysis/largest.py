@@ -19,7 +19,7 @@ from suspid.analysis.used import Used, instead_of
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal
-from suspid.units import Second
+from suspid.units import RealArray, Second
 from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
@@ -32,12 +32,11 @@ STANDS_OUT = 10.0
 # A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
 # largest.
 CALM_AGAIN, FADED = 1.5, 0.01
-# Swings that shrink one after the other, from the largest of the record on: of as many in any order, one in 40 320
-# does.
-# Fewer are common in a resonance that noise drives; that swells again to more than this share of the largest.
+# Swings that shrink one after the other, from the largest of the record on. Fewer are common in a resonance that noise
+# drives; that swells again to more than this share of the largest.
 SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
 # Half of a beat shrinks too, hardly at first and most before its node: the first third of free swings falls at this
-# share of the rate of all, and the damping of the first and of the last start are alike to this factor.
+# share of the rate of all at least, and the damping from the first and from the last start on is alike to this factor.
 FALLS_AT_ONCE, DAMPED_ALIKE = 1 / 3, 1.5
 # Shares of the motion after which it may be free: what lets it go acts for a while.
 STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
@@ -105,27 +104,31 @@ def _shrinking(signal: Signal) -> tuple[Second, Second] | None:
 
     What fills a record has no calm part to stand out from, and one that bends looks like new events all the while.
     """
-    most = None
-    for samples in signal.values:
-        turns = turns_of(samples, AT_REST * float(np.ptp(samples)))
-        sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns)
-        if len(sizes) < SHRINKING_SWINGS:
-            continue
-        first = int(np.argmax(sizes))
-        grows = np.flatnonzero(np.diff(sizes[first:]) >= 0)
-        last = first + (int(grows[0]) if grows.size else len(sizes) - 1 - first) + 1
-        uneven = np.flatnonzero(np.abs(times[first:last] / np.median(times[first:last]) - 1) > EVEN_SWINGS)
-        # What was held, and what swings far, takes longer at first.
-        first += int(uneven[-1]) + 1 if uneven.size else 0
-        if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
-            continue
-        falls = -np.diff(np.log(sizes[first:last]))
-        if np.mean(falls[: len(falls) // 3]) < FALLS_AT_ONCE * np.mean(falls):
-            continue
-        if most is None or last - first > most[1] - most[0]:
-            ends = len(samples) - 1 if last == len(sizes) else int(turns[last])
-            most = first, last, int(turns[first]), ends
-    return None if most is None else (signal.start + signal.step * most[2], signal.start + signal.step * most[3])
+    runs = [run for samples in signal.values if (run := _shrinking_run(samples)) is not None]
+    if not runs:
+        return None
+    _, first, last = max(runs, key=lambda run: run[0])
+    return signal.start + signal.step * first, signal.start + signal.step * last
+
+
+def _shrinking_run(samples: RealArray) -> tuple[int, int, int] | None:
+    """Return how many swings shrink from the largest one on, and the first and last sample of them; None if few do."""
+    turns = turns_of(samples, AT_REST * float(np.ptp(samples)))
+    sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns)
+    if len(sizes) < SHRINKING_SWINGS:
+        return None
+    first = int(np.argmax(sizes))
+    grows = np.flatnonzero(np.diff(sizes[first:]) >= 0)
+    last = first + (int(grows[0]) if grows.size else len(sizes) - 1 - first) + 1
+    uneven = np.flatnonzero(np.abs(times[first:last] / np.median(times[first:last]) - 1) > EVEN_SWINGS)
+    # What was held, and what swings far, takes longer at first.
+    first += int(uneven[-1]) + 1 if uneven.size else 0
+    if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
+        return None
+    falls = -np.diff(np.log(sizes[first:last]))
+    if np.mean(falls[: len(falls) // 3]) < FALLS_AT_ONCE * np.mean(falls):
+        return None
+    return last - first, int(turns[first]), len(samples) - 1 if last == len(sizes) else int(turns[last])
 
 
 def _plain(found: Identification, level: Level) -> bool:
@@ -144,7 +147,7 @@ def _follows(found: Identification, level: Level) -> bool:
 
 
 def _as_damped_later(tries: Sequence[Identification | None]) -> bool:
-    """Return whether the strongest motion is damped alike from the first start on and from the last one."""
+    """Return whether the mode that is damped least is damped alike from the first start on and from the last one."""
     first, last = tries[0], tries[-1]
     if first is None or last is None or not (len(first.modes) and len(last.modes)):
         return False

@@ -216,14 +216,13 @@ def _modes_of(
 
 def _fewer(selection: Selection, own: ModalSet, modes: ModalSet) -> Selection:
     """Return the poles, of which multiples of a stronger mode, traces, and those not determined are no modes."""
-    kept = selection.modes
     fewer = without_harmonics(selection, own)
     few = selection.fit.count < SAMPLES_EACH * (1 + 2 * len(selection.fit.poles.every))
     # What a further pole would say counts where there may be nearly as many poles as samples.
     unknown, trace = _undetermined(own) | _vague(modes if few else own), traces(selection, modes)
     if not np.any(unknown | trace):
         return fewer
-    order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
+    order = selection.modes_by_wn
     reasons = list(fewer.reasons)
     for k in order[trace].tolist():
         reasons[k] = reasons[k] or Reason.TRACE

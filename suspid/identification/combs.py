@@ -51,7 +51,7 @@ def without_overtones(selection: Selection) -> Selection:
     A pendulum that is seen from the side moves up and down twice in a cycle. If it hardly decays, neither does that.
     """
     poles, count = selection.fit.poles.pairs, selection.fit.count
-    sizes = np.sum(np.abs(selection.fit.amplitudes[: len(poles)]) ** 2 / (selection.fit.squares + 1e-300), axis=1)
+    sizes = selection.fit.strengths[: len(poles)]
     reasons = list(selection.reasons)
     steady = [k for k in range(len(poles)) if reasons[k] in STEADY]
     for k in range(len(poles)):

@@ -36,12 +36,10 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
     swings. Both decay as another mode would, at once to twice the rate. An energy, the square of a motion, is nothing
     but these two, whatever its size.
     """
-    poles, kept = selection.fit.poles, selection.modes
-    if len(kept) < 2 or modes.covariance is None:
+    order = selection.modes_by_wn
+    if len(order) < 2 or modes.covariance is None:
         return selection
-    order = kept[np.argsort(np.abs(poles.every[kept]), kind="stable")]
-    amplitudes = selection.fit.amplitudes[poles.rows][order]
-    strengths = np.sum(np.abs(amplitudes) ** 2 / (selection.fit.squares + 1e-300), axis=1)
+    strengths = selection.fit.strengths[order]
     reasons = list(selection.reasons)
     for k, number in enumerate(order.tolist()):
         others = [j for j in range(len(order)) if j != k and reasons[order[j]] is None]

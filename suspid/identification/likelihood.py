@@ -42,6 +42,11 @@ class DecayFit:
     sharpness: ComplexArray
 
     @property
+    def strengths(self) -> RealArray:
+        """Squared amplitude of each free pole over what the fit leaves, all channels together, (pole,)."""
+        return np.asarray(np.sum(np.abs(self.amplitudes[self.poles.rows]) ** 2 / (self.squares + 1e-300), axis=1))
+
+    @property
     def freedom(self) -> float:
         """Degrees of freedom of the residual of one channel."""
         return degrees_of_freedom(

@@ -54,6 +54,12 @@ class Selection:
         """Which of the free poles are modes, (mode,)."""
         return np.flatnonzero([reason is None for reason in self.reasons])
 
+    @property
+    def modes_by_wn(self) -> NDArray[np.intp]:
+        """The modes by their natural frequency, as sets of modes have them, (mode,)."""
+        kept = self.modes
+        return kept[np.argsort(np.abs(self.fit.poles.every[kept]), kind="stable")]
+
 
 def select(
     values: RealArray,

@@ -23,15 +23,12 @@ def traces(selection: Selection, modes: ModalSet) -> NDArray[np.bool_]:
 
     ``modes`` are those of the selection by their natural frequency, with the intervals that are shown.
     """
-    fit, kept = selection.fit, selection.modes
-    if len(kept) < 2 or modes.wn_std is None or modes.zeta_std is None:
-        return np.zeros(len(kept), bool)
-    every = fit.poles.every[kept]
-    order = np.argsort(np.abs(every), kind="stable")
-    sizes = np.sum(np.abs(fit.amplitudes[fit.poles.rows][kept]) ** 2 / (fit.squares + 1e-300), axis=1)
+    fit, order = selection.fit, selection.modes_by_wn
+    if len(order) < 2 or modes.wn_std is None or modes.zeta_std is None:
+        return np.zeros(len(order), bool)
     # The squares of a motion that falls at this rate, over the record; a small rate, of one that stays.
-    rate = np.minimum(2 * every.real, -1e-9)
-    energy = (sizes * np.expm1(rate * fit.count) / rate)[order]
+    rate = np.minimum(2 * fit.poles.every[order].real, -1e-9)
+    energy = fit.strengths[order] * np.expm1(rate * fit.count) / rate
     share = TRACE if len(fit.squares) == 1 else TRACE_OF_SEVERAL
     hardly = NORMAL_95 * modes.zeta_std > KNOWN_TO_HALF * np.abs(modes.zeta)
     hardly |= NORMAL_95 * modes.wn_std > HARDLY_PLACED * modes.wn

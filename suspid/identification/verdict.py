@@ -88,8 +88,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from rough
     yield from check_cycles(found)
     yield from check_resolution(found)
-    if len(found.modes):
-        yield from _left_out(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
+    yield from _left_out(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
     yield from check_parts(found)
     yield from check_rows(found)
     yield from check_followed(found)

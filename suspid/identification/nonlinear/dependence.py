@@ -25,7 +25,7 @@ class AmplitudeDependence:
     Parameters
     ----------
     spans : tuple of (float, float)
-        Start and end of each window [s].
+        Start and end of each window [s]; of a single mode, the middles of its first and last swing.
     channel : str
         The channel in whose unit the amplitude is: that of the largest motion.
     amplitude : ndarray (window,)

@@ -33,7 +33,7 @@ def _swerves(selection: Selection) -> bool:
     So it does under a damper or a spring that differs in compression and rebound.
     """
     fit, pairs = selection.fit, len(selection.fit.poles.pairs)
-    sizes = np.sqrt(np.sum(np.abs(fit.amplitudes[fit.poles.rows]) ** 2 / (fit.squares + 1e-300), axis=1))
+    sizes = np.sqrt(fit.strengths)
     sizes[:pairs] *= 2
     moves = np.array([reason not in (Reason.DRIFT, Reason.GROWING) for reason in selection.reasons[pairs:]], bool)
     return bool(pairs and np.any(moves & (sizes[pairs:] < WEAK * np.max(sizes[:pairs]))))

@@ -24,7 +24,6 @@ from suspid.units import ComplexArray, RealArray
 MISSED, MISSED_SHARE = 3.0, 0.1
 # Forces show as in an acceleration if what they add lies within this share of what their gains say.
 LIKE_AN_ACCELERATION = 0.5
-# At its turns a motion rises or falls by less than this share of what it does between them: at a sixth of a quarter of
 # Share of a cycle before and after a sample over which a measured motion is seen to rise: noise turns shorter ways.
 CYCLE_SHARE = 0.125
 # A state that falls by this many e-foldings within the samples before the record is not continued there: 1e-100.
@@ -93,8 +92,9 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
         return None
     theta = complex(fit.drive.theta[pole])
     most = min(MISSED, MISSED_SHARE * np.pi / theta.imag)
+    more = int(np.ceil(most))
     # What falls faster swings nowhere, and its powers backwards in time overflow.
-    more = int(np.ceil(most)) if -theta.real * np.ceil(most) < FASTEST_FALL else 0
+    more = more if -theta.real * more < FASTEST_FALL else 0
     first = window.indices(fit.states.shape[1])[0]
     push = fit.drive.gains[pole] @ fit.drive.forces[:, [first, first + len(state) - 1]]
     measured = (fit.values - fit.residual)[strongest, window][: len(state)]
@@ -103,9 +103,6 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     times = times[(times > -most) & (times < len(measured) - 1 + most)]
     changed = _changed_by_forces(fit, pole, strongest)
     if changed:
-        # What is turned before or after the record was not measured.
-        times = times[(times > -0.5) & (times < len(measured) - 0.5)]
-    if changed and len(times) > 2:
         times = measured_turns(measured, times, max(1, round(CYCLE_SHARE * 2 * np.pi / theta.imag)))
     if len(times) < 3:
         return None

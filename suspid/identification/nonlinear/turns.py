@@ -9,7 +9,8 @@ from suspid.units import ComplexArray, RealArray
 
 # A swing that is this many times as large as the first is the first: what decays makes no larger one.
 HELD_BEFORE = 1.2
-# a cycle from them by more.
+# At its turns a motion rises or falls by less than this share of what it does between them: a tenth of half a period
+# from them by more.
 ALIGNED = 0.3
 
 
@@ -57,9 +58,13 @@ def measured_turns(motion: RealArray, times: RealArray, reach: int) -> RealArray
     array([10.5, 20.5, 30.5])
     >>> measured_turns(motion, np.array([14.0, 24.0, 34.0]), 2).round(6)
     array([10., 20., 30., 40.])
-    >>> measured_turns(motion[9:], np.array([5.0, 15.0]), 2).round(6)
+    >>> measured_turns(motion[9:], np.array([5.0, 15.0, 25.0]), 2).round(6)
     array([11., 21., 31.])
     """
+    # What is turned before or after the record was not measured.
+    times = times[(times > -0.5) & (times < len(motion) - 0.5)]
+    if len(times) < 3:
+        return times
     rises = _risen(motion, reach)
     at, between = (
         np.abs(rises[np.clip(np.round(each).astype(int), 0, len(motion) - 1)])
@@ -98,11 +103,9 @@ def extremes(motion: RealArray, times: RealArray) -> RealArray:
     starts = np.minimum(starts, len(motion) - 1)
     # Two turns between the same samples share them.
     ends = np.maximum(np.append(starts[1:], len(motion)), starts + 1)
+    parts = list(zip(starts.tolist(), ends.tolist(), strict=True))
     crests, troughs = (
-        _tops(
-            side * motion, np.array([a + int(np.argmax(side * motion[a:b])) for a, b in zip(starts, ends, strict=True)])
-        )
-        for side in (1, -1)
+        _tops(out, np.array([a + int(np.argmax(out[a:b])) for a, b in parts])) for out in (motion, -motion)
     )
     even = np.arange(len(times)) % 2 == 0
     both = np.where(even, crests, -troughs), np.where(even, -troughs, crests)
