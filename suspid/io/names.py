@@ -153,9 +153,15 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def is_time(name: str) -> bool:
-    """Whether a column of that name holds time in a unit that is known."""
+    """Whether a column of that name holds time in a unit that is known; a unit of time in brackets alone is a name.
+
+    Examples
+    --------
+    >>> [is_time(name) for name in ("t", "time [ms]", "[s]", "[V]", "time [furlong]")]
+    [True, True, True, False, False]
+    """
     stem, unit = split_unit(name)
-    return stem in TIME_NAMES and (not unit or unit in PER_SECOND)
+    return unit in set(PER_SECOND) - DATE_PARTS if not stem else stem in TIME_NAMES and (not unit or unit in PER_SECOND)
 
 
 def is_frequency(name: str) -> bool:

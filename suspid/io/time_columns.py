@@ -168,10 +168,20 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
         matrices = {name.removesuffix("[1]") for name in free if name.endswith("[1]")}
         firsts = {_first(table), *(_of_matrix(table, name) for name in matrices if f"{name}[2]" in table.sizes)}
         named = [name for name in free if name in firsts and is_abscissa(name, rate_known=bool(table.rates) or given)]
+    # Oscilloscopes call the time x, or after the trace, and write its unit above or below.
+    of_time = {name for name in free if table.units.get(name, "").lower() in PER_SECOND}
+    named = named or [name for name in free if name in of_time]
     with contextlib.suppress(RecordError):
-        clocks = [name for name, numbers in zip(named, table.columns(named), strict=True) if runs_as_clock(numbers)]
+        columns = zip(named, table.columns(named), strict=True)
+        clocks = [name for name, its in columns if runs_as_clock(its) or (name in of_time and _never_falls(its))]
         return clocks or ([] if given or table.rates else _unnamed_clock(table, free))
     return []
+
+
+def _never_falls(stamps: RealArray) -> bool:
+    """Whether numbers rise and never fall, such as stamps of few digits, of which many repeat the one before."""
+    steps = np.diff(stamps[: filled(stamps)])
+    return bool(steps.size >= FEW_STAMPS and np.all(steps >= 0) and 2 * np.count_nonzero(steps) > FEW_STAMPS)
 
 
 def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:

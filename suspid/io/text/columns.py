@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from suspid.io.names import is_time, plain
+from suspid.io.names import is_abscissa, is_time, plain
 from suspid.io.text.cells import Kind, kind_of
 from suspid.io.text.dialects import COMMENTS, DELIMITERS, Dialect
 
@@ -76,12 +78,17 @@ class Columns:
         return [*cells, ""] if len(cells) == width - 1 and self.trailing else cells
 
     def may_be_named_by(self, line: str) -> bool:
-        """Whether a line may hold the names of the columns: a cell each, and numbers only beside a time."""
+        """Whether a line may hold the names of the columns: a cell each, and numbers only beside a time.
+
+        Oscilloscopes number their channels beside an x. A cell that stands alone in front is the title of the rows.
+        """
         cells = self.titles(line)
         numbers = [kind_of(cell, comma=self.dialect.comma) in ("number", "stamp") for cell in cells]
         if len(cells) != len(self.kinds) or not any(cells) or all(numbers):
             return False
-        return not any(numbers) or any(is_time(cell) for cell in cells)
+        if len(cells) > 1 and not any(cells[1:]) and not _is_axis(cells[0]):
+            return False
+        return not any(numbers) or any(is_time(cell) for cell in cells) or (_is_axis(cells[0]) and _count_up(cells[1:]))
 
     def units(self, line: str) -> list[str]:
         """Return the cells of a header line without brackets."""
@@ -103,6 +110,15 @@ class Columns:
         short = all(len(cell) <= LONGEST_UNIT and " " not in cell for cell in cells)
         same = len(set(cells)) < len(cells) and not any(is_time(cell) for cell in cells)
         return 2 * sum(known) + same > len(known) and short
+
+
+def _is_axis(name: str) -> bool:
+    return is_time(name) or is_abscissa(name)
+
+
+def _count_up(cells: Sequence[str]) -> bool:
+    """Whether cells hold whole numbers that rise, as those of channels do."""
+    return all(map(str.isdecimal, cells)) and all(int(a) < int(b) for a, b in itertools.pairwise(cells))
 
 
 def _marked(line: str, width: int) -> list[str]:
