@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from decimal import ROUND_HALF_DOWN, ROUND_HALF_EVEN, ROUND_HALF_UP, Decimal
 
 import numpy as np
 import pytest
@@ -575,6 +576,31 @@ class TestSignificantDigits:
         assert np.array_equal(grid.places, rows)
         # Rounded to w over n rows: no step is further from the truth than w / n.
         assert 1 / grid.step == pytest.approx(rate, abs=rate**2 * 10.0 ** (2 - digits) / 900)
+
+    @pytest.mark.parametrize("way", [ROUND_HALF_UP, ROUND_HALF_DOWN, ROUND_HALF_EVEN])
+    @pytest.mark.parametrize(
+        ("start", "step", "count"),
+        [("-0.025", "25e-6", 2000), ("0", "25e-6", 2000), ("0", "0.004", 3000), ("0.1", "0.005", 3000)],
+    )
+    def test_ties_go_either_way_and_the_clock_may_begin_before_zero(
+        self, way: str, start: str, step: str, count: int
+    ) -> None:
+        """Every second or fifth time lies half way between two stamps of three digits; oscilloscopes round it up."""
+        times = [Decimal(start) + k * Decimal(step) for k in range(count)]
+        stamps = np.array([float(t and t.quantize(Decimal(1).scaleb(t.adjusted() - 2), way)) for t in times])
+        grid = grid_of(stamps)
+        assert grid is not None
+        assert np.array_equal(grid.places, np.arange(count))
+        # No stamp is further from its time than half of the coarsest resolution.
+        assert grid.start + grid.step * (count - 1) == pytest.approx(float(times[-1]), abs=grid.resolution / 2 + 1e-12)
+
+    @pytest.mark.parametrize("at", [30, 400, 2500])
+    def test_a_row_that_is_missing_shows_where_every_row_has_its_stamp(self, at: int) -> None:
+        """Milliseconds of four digits and milliseconds are the same from 1 s on: there is one clock for both."""
+        rows = np.delete(np.arange(4000), at)
+        grid = grid_of(np.round(rows / 1000, 3))
+        assert grid is not None
+        assert np.array_equal(grid.places, rows)
 
     def test_the_bound_of_the_excess_is_below_that_of_the_nearest_line(self) -> None:
         rng = np.random.default_rng(2)

@@ -21,6 +21,9 @@ MOST_GAPS = 0.1
 # the rounding. One or two say nothing about that, and rows are taken to be missing. Of more, a line of another rate
 # explains about half if they are random; it must explain all but a quarter to be preferred.
 FEW_HOLES, UNEXPLAINED = 2, 0.25
+# Stamps of few significant digits are rounded to this many steps at least where rows share them, and to this many
+# times as much as the least where the resolution grows.
+SHARED, GROWS = 2.0, 5.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -74,14 +77,21 @@ def grid_of(stamps: RealArray, index: Indices | None = None) -> Grid | None:
     if stamps.size < FEWEST_POINTS or np.any(steps < 0) or not stamps[-1] > stamps[0]:
         return None
     even = _evenly_rounded(stamps, index)
-    return even if even is not None and even.jitter == 0 else _of_digits(stamps, steps, index) or even
+    whole = even is not None and even.jitter == 0
+    if whole and even is not None and int(even.places[-1]) == stamps.size - 1:
+        return even
+    digits = _of_digits(stamps, steps, index)
+    # Rows that share a stamp in the last decade, and not in the first, show that the resolution grows: else they would
+    # pass for missing ones. Where every row has its stamp, rows that are missing show.
+    grows = digits is not None and digits.resolution >= SHARED * digits.step
+    return (digits if grows or not whole else even) or even
 
 
 def _of_digits(stamps: RealArray, steps: RealArray, index: Indices | None) -> Grid | None:
     """Return the clock without missing rows that rounds to stamps of the same few significant digits."""
     in_a_row = index is None or int(index[-1] - index[0]) == stamps.size - 1
     wide = resolutions(stamps) if in_a_row else None
-    if wide is None or np.max(wide) <= JITTER * float(np.mean(steps)) or np.max(wide) < 5 * np.median(wide[1:3]):
+    if wide is None or np.max(wide) <= JITTER * float(np.mean(steps)) or np.max(wide) < GROWS * np.min(wide[wide > 0]):
         return None
     # The bound is found in no time: the step is near the mean of the steps.
     if 2 * least_excess(stamps, wide) > 2 * JITTERS[0][1] * float(np.mean(steps)):
