@@ -66,21 +66,45 @@ def test_steps_that_can_only_be_milliseconds(tmp_path: Path, step: float) -> Non
     assert why.code is LeftOut.FINER_UNIT
 
 
-@pytest.mark.parametrize(("step", "level"), [(5.0, Level.SOUND), (1.25, Level.CARE)])
-def test_a_guessed_unit_calls_for_care_unless_a_clock_counts_so(tmp_path: Path, step: float, level: Level) -> None:
-    """Whole numbers are those of a board that counts milliseconds; with decimals they may as well be seconds."""
+@pytest.mark.parametrize(
+    ("step", "level", "said"),
+    [(5.0, Level.SOUND, ""), (1.25, Level.CARE, "800 if it is ms, fs=0.8 if it is s"), (64.0, Level.CARE, "fs=15625")],
+)
+def test_a_guessed_unit_calls_for_care_unless_a_clock_counts_so(
+    tmp_path: Path, step: float, level: Level, said: str
+) -> None:
+    """Boards count milliseconds in whole numbers; with decimals they may be seconds, in large steps microseconds.
+
+    No board that states no unit samples every 20 microseconds; many do so every 64.
+    """
     time = step * np.arange(800)
-    samples = np.exp(-0.05 * time / 100) * np.cos(2 * np.pi * time / 100) * 100
+    row = np.arange(800)
+    samples = np.exp(-row / 400) * np.cos(2 * np.pi * row / 20) * 100
     samples += np.random.default_rng(1).standard_normal(800)
     path = tmp_path / "a.csv"
     np.savetxt(path, np.column_stack([time, samples]), fmt="%.8g", delimiter=",", header="time,seat", comments="")
     found = analyse(path)
-    assert found.modes.wn == pytest.approx([2 * np.pi * 10], rel=1e-3)
-    codes = {check.remark.code for check in found.verdict.checks}
-    assert (found.verdict.level, RecordCheck.GUESSED_UNIT in codes) == (level, level is Level.CARE)
+    assert found.modes.wn == pytest.approx([2 * np.pi / (20e-3 * step)], rel=1e-3)
+    guesses = [str(check) for check in found.verdict.checks if check.remark.code is RecordCheck.GUESSED_UNIT]
+    assert (found.verdict.level, len(guesses)) == (level, int(level is Level.CARE))
+    assert all(said in guess for guess in guesses)
     # A stated rate takes its place.
     stated = analyse(path, settings=Settings(fs=1e3 / step))
     assert RecordCheck.GUESSED_UNIT not in {check.remark.code for check in stated.verdict.checks}
+
+
+@pytest.mark.parametrize(("step", "rates"), [(510, ["1.96078", "1960.78"]), (1.0001, ["0.9999", "999.9"])])
+def test_a_unit_in_which_the_record_is_too_short_is_not_guessed(tmp_path: Path, step: float, rates: list[str]) -> None:
+    """A logger that writes a row each half second, or each second, is no record of microseconds or milliseconds."""
+    path = tmp_path / "a.csv"
+    path.write_text("time,seat\n" + "".join(f"{100 + step * k:.10g},{y:.6g}\n" for k, y in enumerate(SEAT[:100])))
+    with pytest.raises(RecordError, match="the unit of 'time' is not stated; if it is .s, the record is only") as said:
+        read_recording(path)
+    for rate in rates:
+        assert f"fs={rate} if it is" in str(said.value)
+        # The rate that it says to give is that of the stamps, which it then takes in this unit.
+        seat = read_recording(path, fs=float(rate))["seat"]
+        assert np.diff(seat.timepts) == pytest.approx(1 / float(rate), rel=1e-5)
 
 
 @pytest.mark.parametrize(("step", "unit"), [(33.0, 1e3), (100.0, 1e3), (499.0, 1e3), (1872.0, 1e6), (20_000.0, 1e6)])

@@ -238,8 +238,8 @@ def _of_recording(found: Analysis) -> Iterator[Check]:
     # A stated rate takes the place of what was guessed.
     guesses = () if found.recording is None or found.settings.fs is not None else found.recording.left_out
     for name, remark in guesses:
-        if remark.code is LeftOut.FINER_UNIT and not remark.numbers["whole"]:
-            guessed: dict[str, Number] = {"name": printable(name), **{k: remark.numbers[k] for k in ("unit", "step")}}
+        if remark.code is LeftOut.FINER_UNIT and remark.numbers["others"]:
+            guessed: dict[str, Number] = {"name": printable(name), **remark.numbers}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
     others = [str(check.remark.code) for check in against if check not in overridden]
     if others:

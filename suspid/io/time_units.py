@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from typing import cast
 
 import numpy as np
 
 from suspid.errors import RecordError, RecordWarning
 from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
 from suspid.io.tables import Table
-from suspid.units import RealArray
+from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
-from suspid.words import LeftOut, Remark
+from suspid.words import LeftOut, Remark, rates_of_units
 
 # Fewer stamps show neither their unit nor that they are a clock's.
 FEW_STAMPS = 8
@@ -25,6 +26,12 @@ SLOWEST_STEP = 0.5
 FASTEST_STEP, SHORT_RECORD = 1.5e-5, 1.0
 # Shorter steps [s] in such a record, without a unit, are those of minutes at 33 Hz and more as well.
 MINUTE_STEP = 5e-4
+# Whole numbers in steps of at most this many ms are no us: a board that counts us samples below 50 kHz.
+SURE_STEP = 20.0
+# A record that is shorter [s] in the unit that would be guessed is that of another unit as likely.
+SHORTEST_GUESS = 0.15
+# A rate that is given agrees with that of stamps in a unit within this: their usual step is not their mean step.
+NEAR_RATE = 0.1
 # Calls from the line that has a table to the column of its time: a warning shows that line.
 CALLS_TO_HERE = 7
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
@@ -139,11 +146,60 @@ def unit_remark(stamps: RealArray) -> Remark | None:
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
     if finer != "s":
-        # Clocks count in whole ms or us; numbers with decimals may as well be s.
-        whole = bool(np.all(stamps[np.isfinite(stamps)] % 1 == 0))
-        return Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step, "whole": whole})
+        others = _other_units(finer, step, whole=bool(np.all(known % 1 == 0)))
+        rates = tuple(PER_SECOND[unit] / step for unit in (finer, *others))
+        span = float(np.ptp(known)) / PER_SECOND[finer]
+        return Remark(
+            LeftOut.FINER_UNIT, {"unit": finer, "step": step, "others": others, "rates": rates, "length": span}
+        )
     length = float(np.ptp(known)) if 0 < step < MINUTE_STEP else SHORT_RECORD
     return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / step}) if length < SHORT_RECORD else None
+
+
+def _other_units(unit: str, step: float, *, whole: bool) -> tuple[str, ...]:
+    """Return the units that stamps without one, taken as a unit finer than s, may be in as well.
+
+    Clocks count in whole ms or us; numbers with decimals may as well be s. Those of a slow logger in ms look like us.
+
+    Examples
+    --------
+    >>> [_other_units("ms", step, whole=step % 1 == 0) for step in (5.0, 1.25, 64.0, 26.4)]
+    [(), ('s',), ('us',), ('us', 's')]
+    """
+    if unit != "ms":
+        return ("ms",) if unit == "us" else ("us",)
+    return ("us",) * (step > SURE_STEP) + ("s",) * (not whole)
+
+
+def guessed_unit(time: str, stamps: RealArray, fs: Hertz | None) -> tuple[str, Remark | None]:
+    """Return the unit that stamps without one are taken in beyond that of their size, and what is said of it.
+
+    A rate that is given says which of the units it is that they may be in. Where none is, a guess is refused that makes
+    no sense either: the record would be too short.
+
+    Examples
+    --------
+    >>> stamps = 510 * np.arange(200.0)
+    >>> guessed_unit("time", stamps, 1.96)
+    ('ms', None)
+    >>> guessed_unit("time", stamps, None)
+    Traceback (most recent call last):
+    suspid.errors.RecordError: the unit of 'time' is not stated; if it is us, the record is only 0.101 s long: give ...
+    """
+    said = unit_remark(stamps)
+    if said is None or said.code is not LeftOut.FINER_UNIT:
+        return "s", said
+    unit, others = str(said.numbers["unit"]), cast("tuple[str, ...]", said.numbers["others"])
+    rates, length = cast("tuple[float, ...]", said.numbers["rates"]), cast("float", said.numbers["length"])
+    agreeing = [own for own, rate in zip((unit, *others), rates, strict=True) if fs and abs(fs / rate - 1) < NEAR_RATE]
+    if agreeing:
+        return agreeing[0], None
+    if fs is None and others and length < SHORTEST_GUESS:
+        raise RecordError(
+            f"the unit of {time!r} is not stated; if it is {unit}, the record is only {length:.3g} s long: give "
+            f"{rates_of_units(said.numbers)}"
+        )
+    return unit, said
 
 
 def runs_beside(first: RealArray, second: RealArray, most: float) -> bool:

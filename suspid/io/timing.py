@@ -23,7 +23,7 @@ from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase, all_at_once
-from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, too_fine, unit_remark
+from suspid.io.time_units import FEW_STAMPS, guessed_unit, in_seconds, time_unit, too_fine
 from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
@@ -79,11 +79,12 @@ def as_recording(
     stamps = np.empty(0)
     if times:
         stamps = in_seconds(table, times[0], columns[times[0]])
-        if not time_unit(table, times[0]) and (said := unit_remark(columns[times[0]])):
-            left_out[f"unit of {times[0]!r}"] = said
-            stamps = stamps / PER_SECOND[str(said.numbers["unit"])] if said.code is LeftOut.FINER_UNIT else stamps
-        elif said := too_fine(time_unit(table, times[0]), columns[times[0]]):
-            left_out[f"unit of {times[0]!r}"] = said
+        if time_unit(table, times[0]):
+            said = too_fine(time_unit(table, times[0]), columns[times[0]])
+        else:
+            unit, said = guessed_unit(times[0], columns[times[0]], fs)
+            stamps = stamps / PER_SECOND[unit]
+        left_out |= {} if said is None else {f"unit of {times[0]!r}": said}
         plan, outvoted = _outvoted(table, plan, stamps, fs)
         parts = {} if channels else parts_of_seconds(plan, columns, stamps) | repeated_times(plan, columns)
         norms, left_out = norms | parts, left_out | outvoted | parts

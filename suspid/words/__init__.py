@@ -12,7 +12,7 @@ from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 from suspid.words.identification import Headline, ModeCheck
-from suspid.words.io import ASIDE, DAMAGE, OTHER_LENGTHS, LeftOut
+from suspid.words.io import ASIDE, DAMAGE, OTHER_LENGTHS, LeftOut, rates_of_units
 from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reasons import Reason
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
@@ -65,4 +65,5 @@ __all__ = [
     "in_a_row",
     "label_in_words",
     "next_steps",
+    "rates_of_units",
 ]

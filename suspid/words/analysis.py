@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from suspid.wording import Argument, moment
+from suspid.words.io import rates_of_units
 from suspid.words.remarks import MOST_LISTED, Code, Number, count, in_a_row, sentence
 
 
@@ -228,8 +229,13 @@ class RecordCheck(Code):
     IN_TEST = "in test", "{test}: {what}"
     GUESSED_UNIT = (
         "guessed unit",
-        "The {name} is not stated. It is taken as {unit}, because steps of {step:.4g} s are too "
-        "slow for a suspension; if it is s, all frequencies are lower by the same factor.",
+        sentence(
+            lambda n: (
+                f"The {n['name']} is not stated. It is taken as {n['unit']}, because steps of {n['step']:.4g} s are "
+                f"too slow for a suspension; if it is {' or '.join(n['others'])}, all frequencies are wrong by the "
+                f"same factor. Give {rates_of_units(n)}."
+            )
+        ),
     )
     DEFECTS = (
         "defects",

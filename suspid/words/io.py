@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import cast
 
 from suspid.wording import Argument
 from suspid.words.remarks import Code, Number, sentence
@@ -11,6 +12,21 @@ from suspid.words.remarks import Code, Number, sentence
 def _blank(numbers: Mapping[str, Number]) -> str:
     more = numbers["more"]
     return f"is empty, and {more} more" if more else "is empty"
+
+
+def rates_of_units(numbers: Mapping[str, Number]) -> str:
+    """Return the rates to give for a unit of time that is guessed, and for the others that it may be.
+
+    Examples
+    --------
+    >>> rates_of_units({"unit": "ms", "others": ("us",), "rates": (15.625, 15625.0)})
+    'fs=15.625 if it is ms, fs=15625 if it is us'
+    """
+    others, rates = cast("tuple[str, ...]", numbers["others"]), cast("tuple[float, ...]", numbers["rates"])
+    units = (str(numbers["unit"]), *others)
+    return ", ".join(
+        f"{Argument('fs', format(rate, '.6g'))} if it is {unit}" for unit, rate in zip(units, rates, strict=True)
+    )
 
 
 def _magnitude(numbers: Mapping[str, Number]) -> str:
@@ -134,8 +150,8 @@ class LeftOut(Code):
         "finer_unit",
         sentence(
             lambda n: (
-                f"is not stated; taken as {n['unit']}, as steps of {n['step']:.4g} s are too slow for a suspension; "
-                f"give {Argument('fs')} if they are s, or finer"
+                f"is not stated; taken as {n['unit']}, as steps of {n['step']:.4g} s are too slow for a suspension"
+                + (f"; give {rates_of_units(n)}" if n["others"] else f"; give {Argument('fs')} if they are s, or finer")
             )
         ),
     )
