@@ -93,6 +93,15 @@ def test_a_guessed_unit_calls_for_care_unless_a_clock_counts_so(
     assert RecordCheck.GUESSED_UNIT not in {check.remark.code for check in stated.verdict.checks}
 
 
+def test_the_rate_to_give_is_that_of_the_whole_record(tmp_path: Path) -> None:
+    """A timer in steps of 4 us: 64, 64, 60, … us are 62.67 us a row, and a rate 2 % off makes frequencies so."""
+    stamps = np.cumsum(np.tile([64, 64, 60], 100))
+    path = tmp_path / "a.csv"
+    path.write_text("time,seat\n" + "".join(f"{t},{y:.6g}\n" for t, y in zip(stamps, SEAT[:300], strict=True)))
+    ((_, why),) = read_recording(path).left_out
+    assert f"fs={1e6 * 299 / (stamps[-1] - stamps[0]):.6g} if it is us" in str(why)
+
+
 @pytest.mark.parametrize(("step", "rates"), [(510, ["1.96078", "1960.78"]), (1.0001, ["0.9999", "999.9"])])
 def test_a_unit_in_which_the_record_is_too_short_is_not_guessed(tmp_path: Path, step: float, rates: list[str]) -> None:
     """A logger that writes a row each half second, or each second, is no record of microseconds or milliseconds."""

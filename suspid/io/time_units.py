@@ -147,7 +147,10 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
     if finer != "s":
         others = _other_units(finer, step, whole=bool(np.all(known % 1 == 0)))
-        rates = tuple(PER_SECOND[unit] / step for unit in (finer, *others))
+        # Rows that are missing make the mean step longer, rounding and jitter the usual one wrong.
+        mean = float(np.ptp(known)) / (known.size - 1)
+        pace = mean if abs(mean / step - 1) < NEAR_RATE else step
+        rates = tuple(PER_SECOND[unit] / pace for unit in (finer, *others))
         span = float(np.ptp(known)) / PER_SECOND[finer]
         return Remark(
             LeftOut.FINER_UNIT, {"unit": finer, "step": step, "others": others, "rates": rates, "length": span}
