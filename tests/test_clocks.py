@@ -594,6 +594,13 @@ class TestSignificantDigits:
         # No stamp is further from its time than half of the coarsest resolution.
         assert grid.start + grid.step * (count - 1) == pytest.approx(float(times[-1]), abs=grid.resolution / 2 + 1e-12)
 
+    def test_few_stamps_with_more_decimals_are_no_missing_rows(self) -> None:
+        """Capstone writes 8,000E-4 and then 0,001, five times, at 5 kHz."""
+        rows = np.arange(6000)
+        grid = grid_of(np.where(rows < 5, rows / 5000, np.round(rows / 5000 + 1e-9, 3)))
+        assert grid is not None
+        assert np.array_equal(grid.places, rows)
+
     @pytest.mark.parametrize("at", [30, 400, 2500])
     def test_a_row_that_is_missing_shows_where_every_row_has_its_stamp(self, at: int) -> None:
         """Milliseconds of four digits and milliseconds are the same from 1 s on: there is one clock for both."""

@@ -75,12 +75,15 @@ def _opened(source: str | os.PathLike[str], settings: Settings) -> Recording:
 
 
 def _plainly_named(recording: Recording) -> Recording:
-    """Return the channels of one test with the part of their names in front that names it left out."""
+    """Return the channels of one test with the part of their names that names it, in front or behind, left out."""
     title = recording.channels[0].test
-    start = [channel.name.find(title) for channel in recording.channels]
     names = [
-        channel.name[at + len(title) :].lstrip(".:/| ") if at >= 0 else channel.name
-        for at, channel in zip(start, recording.channels, strict=True)
+        channel.name.removesuffix(title).rstrip(".:/|_ ") or channel.name.partition(title)[2].lstrip(".:/| ")
+        if channel.name.endswith(title)
+        else channel.name[channel.name.find(title) + len(title) :].lstrip(".:/| ")
+        if title in channel.name
+        else channel.name
+        for channel in recording.channels
     ]
     channels = (replace(channel, name=name, test="") for name, channel in zip(names, recording.channels, strict=True))
     return replace(recording, title=title, channels=tuple(channels))

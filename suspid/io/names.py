@@ -72,6 +72,12 @@ HEADED = re.compile(
 # How far a column may be off, behind its name and unit.
 TOLERANCE = re.compile(r" [\[(] ?(?:±|\+/?-)[^()\[\]]*[\])]$")
 
+# Names that number tests, and such a number behind the name of a column, as Capstone writes it.
+NUMBERED_TEST = (
+    r"(?:run|test|trial|take|shot|data ?set|lauf|versuch|messung|essai|mesure|prueba|ensayo|prova)[\W_]*\d+\]?"
+)
+NUMBERED_LAST = re.compile(rf"(.*\S)\s+({NUMBERED_TEST})", re.I)
+
 
 def plain(text: str) -> str:
     """Return a text with single blanks, as far as a pattern is to look: patterns take the power of its length.
@@ -101,16 +107,30 @@ def bracketed_unit(name: str) -> str:
 
     Examples
     --------
-    >>> bracketed_unit("seat [mm]"), bracketed_unit("acc (m/s^2)"), bracketed_unit("a_seat_m/s2")
-    ('mm', 'm/s^2', '')
+    >>> [bracketed_unit(name) for name in ("seat [mm]", "acc (m/s^2)", "a_seat_m/s2", "Force (N) Run #1")]
+    ['mm', 'm/s^2', '', 'N']
     """
     found = BRACKETED.fullmatch(_without_tolerance(name))
     return found[2].strip() if found else ""
 
 
 def _without_tolerance(name: str) -> str:
-    """Return a name, plain, without how far its column may be off, in brackets behind it."""
-    return TOLERANCE.sub("", plain(name))
+    """Return a name, plain, without the number of its test and how far its column may be off, in brackets behind it."""
+    text = TOLERANCE.sub("", plain(name))
+    numbered = NUMBERED_LAST.fullmatch(text)
+    return numbered[1] if numbered else text
+
+
+def test_in_name(name: str) -> str:
+    """Return the test that the end of a name numbers; empty if it does not.
+
+    Examples
+    --------
+    >>> test_in_name("Time (s) Run #2"), test_in_name("Time 2")
+    ('Run #2', '')
+    """
+    numbered = NUMBERED_LAST.fullmatch(plain(name))
+    return numbered[2] if numbered else ""
 
 
 def unit_in_name(name: str) -> str:

@@ -5,19 +5,21 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from suspid.io.names import bare_name, plain
+import numpy as np
+
+from suspid.io.names import NUMBERED_LAST, NUMBERED_TEST, bare_name, plain
+from suspid.recordings import RawChannel
 
 # Between the parts of a name, such as those of a structure, of a group, or of a run of Logger Pro. Between digits they
 # are part of a date, a time of day or a number.
 SEPARATORS = re.compile(r"(?:(?<!\d)[.:/|]|[.:/|](?!\d))\s*")
 # Names that number tests; channels of such groups may share a clock.
-NUMBERED = re.compile(
-    r"(?:run|test|trial|take|shot|data ?set|lauf|versuch|messung|essai|mesure|prueba|ensayo|prova)[\W_]*\d+\]?"
-    r"|.*\[\d+\]",
-    re.I,
-)
-# The same at the end of a name, as Capstone writes it.
-NUMBERED_LAST = re.compile(rf"(.*\S)\s+({NUMBERED.pattern.split('|.*')[0]})", re.I)
+NUMBERED = re.compile(rf"{NUMBERED_TEST}|.*\[\d+\]", re.I)
+# A number at the end of the name of a channel.
+LAST_NUMBER = re.compile(r"(.*?)[\W_]*(\d+)")
+# Clocks of one pace that end this far apart, in the length of the longest and in its steps, are those of several tests;
+# sensors of one test end together. Clocks whose mean steps differ by more than this share are not of one pace.
+ENDS_APART, STEPS_APART, PACES_APART = 0.02, 10, 0.2
 
 
 def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
@@ -51,6 +53,45 @@ def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
     by_clock = {clock: group for group, some in used.items() for clock in some} if not shared else {}
     of = {name: group for group, names in groups.items() for name in names}
     return {name: of.get(name) or by_clock.get(clocks[name], "") for name in clocks}
+
+
+def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
+    """Return the test of each channel by its number, where each has a clock of its own; empty if there is but one test.
+
+    Channels of different tests have the same names but for the number, and their clocks run at one pace, from the same
+    start, and end at different times.
+
+    Examples
+    --------
+    >>> def channel(name, rows):
+    ...     return RawChannel(name=name, unit="", timepts=np.arange(rows) / 20, values=np.ones(rows), rate=None)
+    >>> runs_by_clock([channel("S1", 900), channel("S2", 500)])
+    {'S1': '1', 'S2': '2'}
+    >>> runs_by_clock([channel("S1", 900), channel("S2", 899)]), runs_by_clock([channel("seat", 900)])
+    ({}, {})
+    """
+    found = {channel.name: LAST_NUMBER.fullmatch(bare_name(channel.name)) for channel in channels}
+    of: dict[str, str] = {}
+    stems: dict[str, set[str]] = {}
+    clocks: dict[str, set[int]] = {}
+    for channel in channels:
+        match = found[channel.name]
+        if match is None:
+            return {}
+        of[channel.name] = match[2]
+        stems.setdefault(match[2], set()).add(match[1])
+        clocks.setdefault(match[2], set()).add(id(channel.timepts))
+    own = all(len(some) == 1 for some in clocks.values()) and len(set().union(*clocks.values())) == len(clocks)
+    if len(clocks) < 2 or not own or len(set(map(frozenset, stems.values()))) > 1:
+        return {}
+    stamps = {id(channel.timepts): channel.timepts for channel in channels}.values()
+    if any(each.size < 2 or not np.all(np.isfinite(each[[0, -1]])) for each in stamps):
+        return {}
+    starts, ends = (np.array([each[k] for each in stamps]) for k in (0, -1))
+    steps = (ends - starts) / np.array([each.size - 1 for each in stamps])
+    apart = max(ENDS_APART * float(np.max(ends - starts)), STEPS_APART * float(np.max(steps)))
+    together = np.ptp(starts) < apart and np.ptp(steps) < PACES_APART * np.max(steps)
+    return of if together and np.ptp(ends) > apart else {}
 
 
 def _parts(name: str) -> Sequence[str]:

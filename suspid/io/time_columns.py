@@ -19,6 +19,7 @@ from suspid.io.names import (
     is_frequency,
     is_time,
     may_be_time,
+    test_in_name,
 )
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import FEW_STAMPS, in_seconds, late_by, runs_beside
@@ -43,6 +44,8 @@ LEAST_TICKS, MANY_STAMPS = 4, 50
 ONE_PACE, UNSTEADY = 0.06, 0.6
 # A column that turns as often as this swings: one that is driven once to and fro turns less often.
 SWINGS = 10
+# Names of times that have a number each.
+NUMBERED_TIME = re.compile(r"(?:t|time|zeit)[\W_]*\d+", re.IGNORECASE)
 # Names of columns that have none.
 UNNAMED_COLUMN = re.compile(r"column \d+")
 
@@ -56,6 +59,10 @@ def time_column(
     if len(candidates) > 1 and len({table.sizes[c] for c in channels}) == 1:
         # Vectors of another length belong to another record.
         candidates = [name for name in candidates if table.sizes[name] == table.sizes[channels[0]]]
+    # Tests side by side may run on the same times, and end one after the other.
+    numbered = fs is None and len(candidates) > 1 and all(map(test_in_name, candidates))
+    if numbered and (apart := _pairs(table, {name: name for name in candidates})):
+        return None, apart, dict.fromkeys(candidates, Remark(LeftOut.GROUP_TIME))
     said = {name: Remark(LeftOut.TAKEN_AS_TIME) for name in candidates if not may_be_time(name) and not is_time(name)}
     # Telephones write the time of day beside the time since the start; others write the time before each channel.
     kept: list[str] = []
@@ -174,8 +181,17 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
     with contextlib.suppress(RecordError):
         columns = zip(named, table.columns(named), strict=True)
         clocks = [name for name, its in columns if runs_as_clock(its) or (name in of_time and _never_falls(its))]
-        return clocks or ([] if given or table.rates else _unnamed_clock(table, free))
+        return clocks or _numbered_times(table, named) or ([] if given or table.rates else _unnamed_clock(table, free))
     return []
+
+
+def _numbered_times(table: Table, named: Sequence[str]) -> list[str]:
+    """Return the times of tests side by side, T1, S1, T2, S2, …: of unsteady loggers, each with its number."""
+    if len(named) < 2 or not all(NUMBERED_TIME.fullmatch(name) for name in named):
+        return []
+    columns = [numbers[: filled(numbers)] for numbers in table.columns(named)]
+    steady = all(_never_falls(its) and _at_one_pace(np.diff(its)) for its in columns)
+    return list(named) if steady and _pairs(table, {name: name for name in named}) else []
 
 
 def _never_falls(stamps: RealArray) -> bool:
@@ -208,11 +224,16 @@ def _keeps_pace(stamps: RealArray) -> bool:
     A way, a counter of something and sorted numbers do not.
     """
     steps = np.diff(stamps)
-    usual, paces = float(np.median(steps)), np.array([part.mean() for part in np.array_split(steps, 10)])
+    usual = float(np.median(steps))
     if not np.all(steps > 0) or np.all(stamps == np.round(stamps)):
         return False
-    even = np.sum(np.abs(paces / np.median(paces) - 1) < ONE_PACE) >= 9
-    return bool(even and np.quantile(np.abs(steps - usual), MOST_STEPS) <= UNSTEADY * usual)
+    return _at_one_pace(steps) and bool(np.quantile(np.abs(steps - usual), MOST_STEPS) <= UNSTEADY * usual)
+
+
+def _at_one_pace(steps: RealArray) -> bool:
+    """Whether steps have the mean of the middle part of a record in nine of ten parts."""
+    paces = np.array([part.mean() for part in np.array_split(steps, 10)])
+    return bool(np.sum(np.abs(paces / np.median(paces) - 1) < ONE_PACE) >= 9)
 
 
 def _first(table: Table) -> str:

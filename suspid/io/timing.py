@@ -20,7 +20,7 @@ from suspid.io.names import (
 )
 from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
 from suspid.io.own_rows import with_own_rows
-from suspid.io.runs import runs_of
+from suspid.io.runs import runs_by_clock, runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase, all_at_once
 from suspid.io.time_units import FEW_STAMPS, guessed_unit, in_seconds, time_unit, too_fine
@@ -115,7 +115,7 @@ def as_recording(
     kept, counted = counted_from_first(kept, next(iter(times), None))
     left_out |= counted
     if table.apart:
-        tests = runs_of({channel.name: id(channel.timepts) for channel in kept})
+        tests = runs_of({channel.name: id(channel.timepts) for channel in kept}) or runs_by_clock(kept)
         kept = tuple(replace(channel, test=tests.get(channel.name, "")) for channel in kept)
     return Recording(title=table.title or title, channels=kept, left_out=tuple(left_out.items()))
 

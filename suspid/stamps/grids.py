@@ -9,7 +9,7 @@ import numpy as np
 from suspid.signals import JITTER
 from suspid.stamps.digits import least_excess, line_within, resolutions
 from suspid.stamps.lines import FEWEST_POINTS, band, missing_rows, narrowest_line
-from suspid.stamps.rounding import Indices, resolution
+from suspid.stamps.rounding import FEW, Indices, resolution
 from suspid.units import RealArray, Second
 
 # Width that the band of residuals may have beyond the rounding, in steps, tried in this order. One row missing
@@ -80,6 +80,9 @@ def grid_of(stamps: RealArray, index: Indices | None = None) -> Grid | None:
     whole = even is not None and even.jitter == 0
     if whole and even is not None and int(even.places[-1]) == stamps.size - 1:
         return even
+    coarse = _mostly_rounded(stamps, index) if whole else None
+    if coarse is not None:
+        return coarse
     digits = _of_digits(stamps, steps, index)
     # Rows that share a stamp in the last decade, and not in the first, show that the resolution grows: else they would
     # pass for missing ones. Where every row has its stamp, rows that are missing show.
@@ -108,6 +111,22 @@ def _of_digits(stamps: RealArray, steps: RealArray, index: Indices | None) -> Gr
         resolution=float(np.max(wide)),
         jitter=jitter if jitter > JITTER else 0.0,
     )
+
+
+def _mostly_rounded(stamps: RealArray, index: Indices | None) -> Grid | None:
+    """Return the clock without missing rows of stamps of which all but few are rounded to the same step.
+
+    Programs that write three decimals, and numbers below 0.001 with an exponent, seem to lose rows where these end.
+    """
+    for quantum in (m * 10.0**-k for k in range(1, 7) for m in (1, 0.5)):
+        rounded = np.round(stamps / quantum) * quantum
+        off = np.abs(stamps - rounded) > 1e-6 * quantum
+        if np.mean(off) <= FEW:
+            shared = quantum >= SHARED * (stamps[-1] - stamps[0]) / (stamps.size - 1)
+            grid = _evenly_rounded(np.where(off, rounded, stamps), index) if shared and np.any(off) else None
+            none_missing = grid is not None and int(grid.places[-1]) == stamps.size - 1
+            return grid if grid is not None and none_missing and grid.jitter == 0 else None
+    return None
 
 
 def _evenly_rounded(stamps: RealArray, index: Indices | None) -> Grid | None:
