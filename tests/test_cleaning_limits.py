@@ -191,6 +191,18 @@ class TestChannels:
         found = inspect("seat", K / 100.0, values)
         assert (Defect.DROPOUT in [finding.kind for finding in found.findings]) == dropout
 
+    @pytest.mark.parametrize("phase", [0.1, 0.7, 1.3, 2.0, 2.9])
+    def test_silence_between_two_knocks_is_no_dropout(self, phase: float) -> None:
+        """A sound that is cut off falls to zero at once; the next one begins from zero, where a motion goes on."""
+        times = np.arange(2000) / 44100
+        knock = np.exp(-20 * times) * np.sin(2 * np.pi * 400 * times)
+        cut = int(np.argmax(2 * np.pi * 400 * times > 20 * np.pi + phase))
+        silent = np.concatenate([knock[:cut], np.zeros(3000), knock])
+        lost = np.concatenate([knock[:cut], np.zeros(3000), np.roll(knock, -28)])
+        for values, dropout in ((silent, False), (lost, True)):
+            found = inspect("channel 1", np.arange(values.size) / 44100, np.round(values * 2**15) / 2**15)
+            assert (Defect.DROPOUT in [finding.kind for finding in found.findings]) == dropout
+
     @pytest.mark.parametrize(("value", "kept"), [(2.0, True), (1e31, False), (-1e31, False)])
     def test_what_no_quantity_reaches_is_missing(self, value: float, kept: bool) -> None:
         values = SWING + 0.0

@@ -151,7 +151,10 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     by_chance = samples.size * (0.27 * quantum / np.maximum(around, quantum)) ** (lengths[inner] - 1.0)
     held = (released > np.maximum(far, 2 * around)) & (around > far) & (by_chance < UNLIKELY)
     extreme = (samples[starts[inner]] == np.max(samples)) | (samples[starts[inner]] == np.min(samples))
-    bad = inner[zero | (held & ~extreme)]
+    # A motion that begins from rest, as one sound after silence does, leaves zero by a step as small as its others.
+    onset = np.array([_pace(samples, int(stops[k]), int(stops[k]), before=False) for k in inner]).reshape(-1)
+    silent = (samples[starts[inner]] == 0) & (released <= 4 * onset)
+    bad = inner[(zero | (held & ~extreme)) & ~silent]
     if not bad.size:
         return values, []
     where = np.concatenate([good[starts[k] : stops[k]] for k in bad])
@@ -181,10 +184,11 @@ def _converter_step(steps: RealArray) -> float:
     return often if np.mean(np.abs(ticks - np.round(ticks)) < 0.05) > MULTIPLES else least
 
 
-def _pace(samples: RealArray, start: int, stop: int) -> float:
-    """Return the median step between samples beside a run."""
+def _pace(samples: RealArray, start: int, stop: int, *, before: bool = True) -> float:
+    """Return the median step between samples beside a run, or behind it alone."""
     length = max(8, stop - start)
-    beside = np.concatenate([np.diff(samples[max(0, start - length) : start]), np.diff(samples[stop : stop + length])])
+    first = max(0, start - length) if before else start
+    beside = np.concatenate([np.diff(samples[first:start]), np.diff(samples[stop : stop + length])])
     return float(np.median(np.abs(beside))) if beside.size else 0.0
 
 
