@@ -433,6 +433,40 @@ class TestMissingCells:
         assert np.array_equal(np.array([c.values for c in recording.channels]).T, values, equal_nan=True)
 
 
+class TestLateColumns:
+    """A sensor that starts late leaves its cells blank at first: its column has missing samples."""
+
+    ROWS = 1500
+
+    def path(self, folder: Path, head: str) -> Path:
+        rows = (
+            f"{k / 100:.2f},{np.sin(k / 9):.4f},{'' if k < 1400 else f'{np.cos(k / 7):.4f}'}" for k in range(self.ROWS)
+        )
+        path = folder / "late.csv"
+        path.write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
+        return path
+
+    @pytest.mark.parametrize(
+        ("head", "name"),
+        [
+            ("t,seat,wind\n", "wind"),
+            ("# of a buoy\nt,seat,wind\n# wind is blank for 14 s, and then filled\n", "wind"),
+            ("t,seat,\n", "column 3"),
+        ],
+    )
+    def test_they_are_columns(self, tmp_path: Path, head: str, name: str) -> None:
+        recording = read_recording(self.path(tmp_path, head))
+        assert recording.names == ("seat", name)
+        late = recording[name]
+        assert np.flatnonzero(np.isfinite(late.values)) == pytest.approx(np.arange(1400, self.ROWS))
+        assert late.values[-1] == pytest.approx(np.cos((self.ROWS - 1) / 7), abs=1e-4)
+
+    def test_a_delimiter_that_ends_each_row_is_none(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.csv"
+        path.write_text("t,seat,\n" + "".join(f"{k / 100:.2f},{np.sin(k / 9):.4f},\n" for k in range(1500)))
+        assert read_recording(path).names == ("seat",)
+
+
 class TestOneNumberOrTwo:
     """A comma between digits is never guessed at."""
 
@@ -652,9 +686,12 @@ class TestStepsInPlaceOfTheTime:
     @pytest.mark.parametrize("header", ["", "# Accelerometer\n# X Y time_from_previous_sample(ms)\n\n# units: m/s^2\n"])
     def test_their_sums_are_the_time(self, tmp_path: Path, mark: str, header: str) -> None:
         recording = read(tmp_path, self.text(mark, header=header))
-        assert recording.names == ("column 1", "column 2")
-        np.testing.assert_allclose(recording["column 1"].timepts, np.cumsum(self.STEPS) / 1e3, rtol=0, atol=1e-12)
-        assert dict(recording.left_out)["column 3"].code is LeftOut.STEP_CLOCK
+        # The words of the comment are names where the cells are separated as they are.
+        named = mark == " " and bool(header)
+        assert recording.names == (("X", "Y") if named else ("column 1", "column 2"))
+        np.testing.assert_allclose(recording.channels[0].timepts, np.cumsum(self.STEPS) / 1e3, rtol=0, atol=1e-12)
+        steps = "time_from_previous_sample(ms)" if named else "column 3"
+        assert dict(recording.left_out)[steps].code is LeftOut.STEP_CLOCK
 
     def test_a_given_rate_replaces_them(self, tmp_path: Path) -> None:
         (tmp_path / "a.txt").write_text(self.text(" "), encoding="utf-8")

@@ -16,7 +16,7 @@ from suspid.io.tables import Table, TimeBase
 from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
 from suspid.io.text.endings import is_open
-from suspid.io.text.layouts import Layout, find_layout
+from suspid.io.text.layouts import Layout, find_layout, with_late_column
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
 from suspid.io.text.step_columns import step_clock
@@ -69,7 +69,9 @@ def read_delimited(path: Path) -> Table:
         _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1)
         raise
     refuse_thousands([*top[layout.first :], *within], layout.names, layout.dialect)
-    rows, odd = find_rows(text, sum(len(line) + 1 for line in head[: layout.first]), layout, is_open=ends_within)
+    start = sum(len(line) + 1 for line in head[: layout.first])
+    layout = with_late_column(layout, text, start)
+    rows, odd = find_rows(text, start, layout, is_open=ends_within)
     del text
     counter = _counter(layout, top)
     left_out |= {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}

@@ -21,6 +21,8 @@ from suspid.words import LeftOut, Remark
 RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
 # A column is blank in more rows than this where it holds settings beside the first ones.
 MOSTLY = 0.9
+# Rows that fill a last column from which on it is one: fewer are odd lines.
+FEW_LATE = 20
 KEY_VALUE = re.compile(
     r"\W*([^\W\d][^:=;,\t]*?)\s*(?::=|[:=;,\t])\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
 )
@@ -131,6 +133,10 @@ def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
 def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | None]:
     """Return the indices of the lines of names and of units above the data."""
     filled = [k for k, line in enumerate(above) if line.strip(" \t\"'") and not RULE.fullmatch(plain(line))]
+    # A comment may hold the names, or stand between them and the data.
+    comments = [k for k in filled if columns.dialect.is_comment(above[k])]
+    plain_names = any(columns.may_be_named_by(above[k]) for k in filled if k not in comments)
+    filled = [k for k in filled if k not in comments or _may_name(above[k], columns, as_wide=plain_names)]
     rows = list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
     if not rows:
         if filled:
@@ -142,6 +148,12 @@ def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | N
     if not units or len(rows) == 1:
         return rows[-1], None
     return rows[units[-1] - 1] if units[-1] else rows[1], rows[units[-1]]
+
+
+def _may_name(comment: str, columns: Columns, *, as_wide: bool) -> bool:
+    """Whether a comment may hold the names of columns; beside other names it has as many cells as a row."""
+    wide = len(columns.dialect.cells(comment)) == len(columns.kinds)
+    return columns.may_be_named_by(comment) and (wide or not as_wide)
 
 
 def _refuse_misfit(line: str, number: int, columns: Columns) -> None:
@@ -179,6 +191,24 @@ def _names(columns: Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
         above.add(names[k])
         taken.add(names[k])
     return names, renamed
+
+
+def with_late_column(layout: Layout, text: bytes, start: int) -> Layout:
+    """Return a layout with a last column where rows without a name above it are filled further down.
+
+    At the top a delimiter that ends each row looks alike.
+    """
+    end = layout.dialect.delimiter.encode()
+    if layout.names[-1] or end == b" " or text.count(end + b"\n", start) == text.count(b"\n", start):
+        return layout
+    mark = re.escape(end)
+    before = len(layout.names) - 1
+    filled = rb"^(?:[^%b\n]*%b){%d}[ \t]*[-+.\d][^%b\n]*$" % (mark, mark, before, mark)
+    rows = re.compile(filled, re.M).finditer(text, start)
+    if len(list(itertools.islice(rows, FEW_LATE))) < FEW_LATE:
+        return layout
+    name = f"column {len(layout.names)}"
+    return replace(layout, names=(*layout.names[:-1], name), kinds={**layout.kinds, name: "missing"})
 
 
 def _listed(others: Mapping[int, str]) -> dict[str, Remark]:
