@@ -113,3 +113,47 @@ def test_channels_that_are_named_are_used() -> None:
     record = as_response(TIME, exported(2, seed=0), ["x", "v", "a"])
     used = stretch_of(record, Settings(channels=("x", "v", "a"), decay="whole"))
     assert used.record is record
+
+
+class TestCopies:
+    """The same channel in another unit, or from another zero, is no second sensor."""
+
+    MOTION = swing() + 2e-4 * np.random.default_rng(4).standard_normal(TIME.size)
+
+    @pytest.mark.parametrize("digits", [None, 4])
+    @pytest.mark.parametrize(("factor", "offset"), [(1.0, 0.0), (100.0, 0.0), (-2.54, 3.0)])
+    def test_they_are_left_out_and_named(self, digits: int | None, factor: float, offset: float) -> None:
+        values = 30 * np.stack([self.MOTION, factor * self.MOTION + offset])
+        values = values if digits is None else np.asarray(np.round(values, digits))
+        left, notes = without_derivatives(as_response(TIME, values, ["cm", "m"]))
+        assert list(left.output_labels) == ["cm"]
+        assert [(n.code, n.numbers["channel"], n.numbers["source"]) for n in notes] == [
+            (Note.COPIED_CHANNEL, "m", "cm")
+        ]
+
+    @pytest.mark.parametrize("noise", [0.01, 1.0])
+    def test_two_sensors_of_one_motion_stay(self, noise: float) -> None:
+        """Beside noise of 2e-4, a hundredth of it is that of a second sensor; counted in steps of 1e-6 it shows."""
+        other = self.MOTION + noise * 2e-4 * np.random.default_rng(5).standard_normal(TIME.size)
+        record = as_response(TIME, np.asarray(np.round(np.stack([self.MOTION, 2 * other]), 6)), ["left", "right"])
+        assert without_derivatives(record)[0] is record
+
+    def test_two_coarse_sensors_that_agree_stay(self) -> None:
+        """Of few steps of a converter, two sensors agree in each sample."""
+        coarse = np.asarray(np.round(swing() / float(np.ptp(swing())) * 200), float)
+        record = as_response(TIME, np.stack([coarse, coarse]), ["left", "right"])
+        assert without_derivatives(record)[0] is record
+
+    def test_channels_without_noise_stay(self) -> None:
+        record = as_response(TIME, np.stack([swing(), 2 * swing()]), ["left", "right"])
+        assert without_derivatives(record)[0] is record
+
+
+@pytest.mark.parametrize("step", [1e-3, 2e-4, 1e-5])
+def test_differences_of_an_encoder_are_computed_from_it(step: float) -> None:
+    """The position is a number of steps; its differences are told by it, and it by their sum, to the last digit."""
+    position = np.round(swing() / step)
+    record = as_response(TIME, np.stack([position, RATE * np.diff(position, prepend=position[0])]), ["x", "v"])
+    left, notes = without_derivatives(record)
+    assert list(left.output_labels) == ["x"]
+    assert [note.code for note in notes] == [Note.DERIVED_CHANNEL]

@@ -1,4 +1,4 @@
-"""Channels computed as derivative or integral of another; software of sensors often exports both."""
+"""Channels computed from another: its copy in another unit, its derivative or integral; programs often export both."""
 
 from __future__ import annotations
 
@@ -28,12 +28,15 @@ GAIN_ERROR = 0.01
 OWN_SHARE = 0.5
 # Least correlation with a central difference: a coarser screen only costs time.
 ALIKE_CORRELATION = 0.5
+# Correlation with a copy, less than 1 by this at most. Steps of the last digit in the range of a channel, or in its
+# noise, from which on no other one agrees with it to that digit.
+COPY_CORRELATION, FEWEST_STEPS, ROUGH = 1e-5, 1000, 2.0
 # Samples from the beginning that tell; more only cost time.
 SAMPLES_READ = 20_000
 
 
 def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
-    """Return the record without channels that were computed from another as its derivative or integral, and what.
+    """Return the record without channels that were computed from another, and what: copies, derivatives, integrals.
 
     Their noise is that of the motion once more: it is neither white nor independent of it, and they tell nothing else.
     A sensor of its own has noise that no other channel tells.
@@ -66,11 +69,12 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
 def _sources(values: RealArray, step: Second) -> dict[int, tuple[int, Note]]:
     """Return from which channel each channel that was computed comes, by row, and how."""
     centred = values - values.mean(axis=1, keepdims=True)
-    sources = dict[int, tuple[int, Note]]()
+    copies = _copies(centred)
+    sources = dict(copies)
     slopes = [_correlated(np.gradient(centred, axis=1), centred), _correlated(np.diff(centred, 2, axis=1), centred)]
     alike = np.maximum(*slopes) > ALIKE_CORRELATION
-    for k in range(len(values)):
-        for source in np.flatnonzero(alike[:, k]).tolist():
+    for k in (k for k in range(len(values)) if k not in copies):
+        for source in (row for row in np.flatnonzero(alike[:, k]).tolist() if row not in copies):
             how = None if source == k else _computed(centred[source], centred[k], step)
             if how is Note.INTEGRATED_CHANNEL:
                 sources.setdefault(source, (k, how))
@@ -78,6 +82,38 @@ def _sources(values: RealArray, step: Second) -> dict[int, tuple[int, Note]]:
                 sources[k] = source, how
                 break
     return sources
+
+
+def _copies(centred: RealArray) -> dict[int, tuple[int, Note]]:
+    """Return which channels are another one before, but for a factor and an offset, to rounding, by row.
+
+    Two sensors never agree so, unless there is no noise in a record.
+    """
+    found = dict[int, tuple[int, Note]]()
+    size = np.linalg.norm(centred, axis=1)
+    alike = np.abs(centred @ centred.T) > (1 - COPY_CORRELATION) * np.outer(size, size)
+    for k, source in zip(*np.nonzero(np.tril(alike, -1)), strict=True):
+        if k not in found and source not in found and size[k] > 0 and _is_copy(centred[source], centred[k]):
+            found[int(k)] = int(source), Note.COPIED_CHANNEL
+    return found
+
+
+def _is_copy(source: RealArray, other: RealArray) -> bool:
+    factor = float(source @ other / (source @ source))
+    digits = (_last_digit(other), abs(factor) * _last_digit(source))
+    if not np.max(np.abs(other - factor * source)) <= 0.51 * sum(digits) + SEVEN_DIGITS**2 * np.ptp(other):
+        return False
+    at = np.arange(PAST_SAMPLES, len(other))
+    _, new = _regressed(other[at], other[at[:, None] - np.arange(1, PAST_SAMPLES + 1)])
+    # Of few steps, two sensors without noise agree in each sample.
+    told = FEWEST_STEPS * max(digits) <= np.ptp(other) or new >= ROUGH * max(digits)
+    return told and new >= SEVEN_DIGITS * float(np.std(other))
+
+
+def _last_digit(values: RealArray) -> float:
+    """Return the smallest step between samples, which is the last digit of those that are rounded."""
+    steps = np.abs(np.diff(values))
+    return float(np.min(steps[steps > SEVEN_DIGITS**2 * np.ptp(values)], initial=np.inf))
 
 
 def _correlated(slopes: RealArray, values: RealArray) -> RealArray:
@@ -107,8 +143,10 @@ def _computed(source: RealArray, other: RealArray, step: Second) -> Note | None:
     changes = np.diff(source, order) / step**order
     inner = at[2 + order : -2]
     terms, lost = _regressed(changes[inner - order], other[inner[:, None] + np.arange(-2, 3)])
-    # In the unit of the derivative, but for a power of ten.
-    integrated = lost < left * abs(float(np.sum(terms)))
+    # In the unit of the derivative, but for a power of ten. Exact differences are sums the other way round: what counts
+    # in steps, as an encoder does, was measured.
+    exact = left <= SEVEN_DIGITS * float(np.std(other))
+    integrated = not exact and lost < left * abs(float(np.sum(terms)))
     return Note.INTEGRATED_CHANNEL if integrated else Note.DERIVED_CHANNEL
 
 

@@ -27,6 +27,7 @@ OF_CHANNELS = frozenset(
         Note.IDLE_CHANNEL,
         Note.CLIPPED_CHANNEL,
         Note.COMMAND_CHANNEL,
+        Note.COPIED_CHANNEL,
         Note.DERIVED_CHANNEL,
         Note.FEWER_CHANNELS,
     }

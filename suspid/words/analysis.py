@@ -136,6 +136,11 @@ class Note(Code):
         "command channel",
         "channel {channel!r} is named as a command, not as a measurement; left out; name the channels to use it",
     )
+    COPIED_CHANNEL = (
+        "copied channel",
+        "channel {channel!r} is {source!r} but for a factor and an offset, not another measurement; left out; name the "
+        "channels to use it",
+    )
     DERIVED_CHANNEL = (
         "derived channel",
         "channel {channel!r} is the computed derivative of {source!r}, not a measurement; left out; name the "
