@@ -21,7 +21,7 @@ from suspid.io.text.columns import UNIT
 from suspid.io.text.delimited import read_delimited
 from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import Recording
-from suspid.words import LeftOut, Remark
+from suspid.words import DAMAGE, LeftOut, Remark
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FUZZ = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -465,6 +465,27 @@ class TestLateColumns:
         path = tmp_path / "a.csv"
         path.write_text("t,seat,\n" + "".join(f"{k / 100:.2f},{np.sin(k / 9):.4f},\n" for k in range(1500)))
         assert read_recording(path).names == ("seat",)
+
+
+class TestTablesBelow:
+    """Laboratory programs write the spectrum of a record below it, as a table of its own."""
+
+    def text(self, below: str) -> str:
+        rows = "".join(f"{k}\t{k / 50:.2f}\t{np.cos(k / 9):.4f}\n" for k in range(300))
+        return f"n\tt\tangle\n{rows}{below}"
+
+    def test_they_are_left_out_and_named(self, tmp_path: Path) -> None:
+        spectrum = "2 150\n" + "".join(f"{k / 6:.6f}\t{1 / (1 + (k - 40) ** 2):.6f}\n" for k in range(150))
+        recording = read(tmp_path, self.text(spectrum))
+        assert recording.names == ("angle",)
+        assert recording["angle"].values.size == 300
+        why = dict(recording.left_out)["lines 302 to 452"]
+        assert (why.code, why.numbers["lines"]) == (LeftOut.OTHER_TABLE, 151)
+        assert why.code in DAMAGE
+
+    def test_lines_that_are_no_table_are_refused(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="the rows end at line 301, but 60 lines follow"):
+            read(tmp_path, self.text("".join(f"event {k}: none\n" for k in range(60))))
 
 
 class TestOneNumberOrTwo:

@@ -199,6 +199,7 @@ class LeftOut(Code):
         "is cut short within its last number: {cell!r} has {digits} of {usual} characters behind the decimal sign",
     )
     NO_END = "no_end", "does not end with a line feed: if the file was cut off there, its last number {cell!r} is wrong"
+    OTHER_TABLE = "other_table", "are another table, of {lines} lines: {line} …; save it as a file of its own to use it"
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"
     UTF_16 = "utf_16", "is UTF-16, by its first bytes"
@@ -219,6 +220,7 @@ DAMAGE = frozenset(
         LeftOut.CUT_CELL,
         LeftOut.CUT_NUMBER,
         LeftOut.NO_END,
+        LeftOut.OTHER_TABLE,
         LeftOut.WINDOWS_1252,
         LeftOut.FINER_UNIT,
         LeftOut.TOO_FINE,

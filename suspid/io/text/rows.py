@@ -7,6 +7,7 @@ here.)
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -20,8 +21,10 @@ from suspid.io.text.endings import cut_number
 from suspid.io.text.layouts import Layout
 from suspid.io.text.numbers import loaded, loaded_piece
 from suspid.units import RealArray
-from suspid.words import LeftOut, Remark
+from suspid.words import LeftOut, Number, Remark
 
+# Lines below the rows up to which they are listed one by one; more are another table if this share of them is alike.
+FEW_BELOW, AS_WIDE = 20, 0.9
 NUMERALS = b"0123456789+-.eE "
 DIGITS = np.isin(np.arange(256), np.frombuffer(b"0123456789", np.uint8))
 NUMBER_STARTS = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
@@ -133,12 +136,16 @@ def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False)
     )
     if ending is not None and ending.code is not LeftOut.NO_END:
         skipped |= {last}
-    said = {f"line {n}": _why(row, layout, n, last) for n, row in odd.items()}
     below = [n for n in odd if n > last]
-    if len(below) > 20:
+    other = len(below) > FEW_BELOW and _are_table([odd[n] for n in below], layout)
+    if len(below) > FEW_BELOW and not other:
         raise RecordError(
             f"the rows end at line {last}, but {line - 1 - last} lines follow: {shortened(odd[below[0]])}"
         )
+    said = {f"line {n}": _why(row, layout, n, last) for n, row in odd.items() if n < last or not other}
+    if other:
+        numbers: dict[str, Number] = {"lines": len(below), "line": shortened(odd[below[0]])}
+        said[f"lines {below[0]} to {below[-1]}"] = Remark(LeftOut.OTHER_TABLE, numbers)
     inner = [n for n in blank if n < last]
     if inner:
         said[f"line {inner[0]}"] = Remark(LeftOut.BLANK, {"more": len(inner) - 1})
@@ -146,6 +153,15 @@ def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False)
     first = layout.first + 1
     rows = Rows(text=text, start=start, first=first, layout=layout, skipped=skipped, size=line - first - len(skipped))
     return rows, said
+
+
+def _are_table(lines: Sequence[str], layout: Layout) -> bool:
+    """Whether most of the lines below the rows are those of another table: of numbers, in one number of cells."""
+    dialect, width = layout.dialect, len(layout.names)
+    cells = [dialect.cells(line) for line in lines]
+    widths = Counter(len(some) for some in cells if kind_of(some[0], comma=dialect.comma) == "number")
+    (usual, often), *_ = [*widths.most_common(1), (width, 0)]
+    return usual != width and AS_WIDE * len(lines) < often
 
 
 def _ending(below: bytes, line: int, layout: Layout, skipped: frozenset[int]) -> Remark | None:
