@@ -99,6 +99,12 @@ class TestThousands:
         with pytest.raises(RecordError, match=r"cells such as '-2.+000\.000' are not numbers"):
             self.read(tmp_path / "r.csv", cells)
 
+    @pytest.mark.parametrize("mark", [" +- ", "+-"])
+    def test_values_with_their_uncertainty_are_told(self, tmp_path: Path, mark: str) -> None:
+        """Written by hand in a laboratory; there is no mark between thousands in them."""
+        with pytest.raises(RecordError, match="hold a value and its uncertainty; write the uncertainty in a column of"):
+            self.read(tmp_path / "r.csv", [f"{k}{mark}4" for k in range(60, 400, 7)])
+
 
 @pytest.mark.parametrize("start", [b"\x1f\x8b\x08\x00", b"PK\x03\x04"])
 def test_other_files_under_the_name_of_text_are_told(tmp_path: Path, start: bytes) -> None:

@@ -21,6 +21,8 @@ from suspid.words import LeftOut, Remark
 RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
 # A column is blank in more rows than this where it holds settings beside the first ones.
 MOSTLY = 0.9
+# An uncertainty behind a value.
+UNCERTAIN = re.compile(r"\d\s*\+-\s*\d")
 # Rows that fill a last column from which on it is one: fewer are odd lines.
 FEW_LATE = 20
 KEY_VALUE = re.compile(
@@ -94,12 +96,18 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
         digits = [cell for cell in filled if NUMERIC.fullmatch(cell)]
         odd = next((cell for cell in digits if kind_of(cell, comma=dialect.comma) != "number"), None)
         if odd is not None and 2 * len(digits) > len(filled):
-            raise RecordError(
-                f"cells such as {shortened(odd)} are not numbers, where decimals follow a "
-                f"{'comma' if dialect.comma else 'point'} and cells are {dialect}; write numbers without a mark "
-                f"between the thousands"
-            )
+            raise RecordError(f"cells such as {shortened(odd)} {_why_no_number(odd, dialect)}")
     return Columns(dialect, commonest)
+
+
+def _why_no_number(cell: str, dialect: Dialect) -> str:
+    """Return why a cell of digits and marks is no number, and what to write instead."""
+    if UNCERTAIN.search(cell):
+        return "hold a value and its uncertainty; write the uncertainty in a column of its own, or leave it out"
+    return (
+        f"are not numbers, where decimals follow a {'comma' if dialect.comma else 'point'} and cells are {dialect}; "
+        f"write numbers without a mark between the thousands"
+    )
 
 
 def _less_settings(
