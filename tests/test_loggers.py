@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from suspid import RecordError, read_record, read_recording
+from suspid.io.clock_numbers import runs_as_clock
 from suspid.io.column_plan import ColumnPlan
 from suspid.io.not_motions import counters_of, parts_of_seconds, repeated_times
-from suspid.io.time_columns import runs_as_clock
 from suspid.words import LeftOut
 
 TIMES = np.arange(300) / 40

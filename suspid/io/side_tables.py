@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from suspid.io.time_columns import filled
+from suspid.io.clock_numbers import filled
 from suspid.io.time_units import FEW_STAMPS
 from suspid.levels import SEVEN_DIGITS
 from suspid.units import RealArray

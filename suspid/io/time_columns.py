@@ -10,6 +10,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.io.clock_numbers import (
+    MANY_STAMPS,
+    MOST_STEPS,
+    at_one_pace,
+    filled,
+    keeps_pace,
+    never_falls,
+    runs_as_clock,
+    ticks,
+)
 from suspid.io.names import (
     PER_SECOND,
     bracketed_unit,
@@ -22,26 +32,15 @@ from suspid.io.names import (
     test_in_name,
 )
 from suspid.io.tables import Table, TimeBase
-from suspid.io.time_units import FEW_STAMPS, in_seconds, late_by, runs_beside
+from suspid.io.time_units import in_seconds, late_by, runs_beside
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
 from suspid.words import LeftOut, Remark
 
 # What to do with a file over frequency.
 NO_SPECTRA = "records over time are needed, no spectra or frequency responses; export the time histories"
-# Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
-# samples stray by a tenth.
-MOST_STEPS, JITTERY = 0.9, 0.25
-# No step of a clock that is read late now and then is longer than this, over the usual one, nor as much shorter.
-MOST_LATE = 2.5
 # Steps that differ by less than this, relative to them, are even but for rounding.
 EVEN_TIME = 1e-3
-# Whole numbers are those of a clock that jitters if their usual step is this many at least, over this many rows: rows
-# that were picked, and stations of a speed, are fewer apart, or fewer.
-LEAST_TICKS, MANY_STAMPS = 4, 50
-# Parts of a record in which a clock runs have the same mean step within this; most steps lie this near the usual one.
-# Trackers that send when they can need the second, a counter of chance events has more.
-ONE_PACE, UNSTEADY = 0.06, 0.6
 # A column that turns as often as this swings: one that is driven once to and fro turns less often.
 SWINGS = 10
 # Names of times that have a number each.
@@ -180,7 +179,7 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
     named = named or [name for name in free if name in of_time]
     with contextlib.suppress(RecordError):
         columns = zip(named, table.columns(named), strict=True)
-        clocks = [name for name, its in columns if runs_as_clock(its) or (name in of_time and _never_falls(its))]
+        clocks = [name for name, its in columns if runs_as_clock(its) or (name in of_time and never_falls(its))]
         return clocks or _numbered_times(table, named) or ([] if given or table.rates else _unnamed_clock(table, free))
     return []
 
@@ -190,14 +189,8 @@ def _numbered_times(table: Table, named: Sequence[str]) -> list[str]:
     if len(named) < 2 or not all(NUMBERED_TIME.fullmatch(name) for name in named):
         return []
     columns = [numbers[: filled(numbers)] for numbers in table.columns(named)]
-    steady = all(_never_falls(its) and _at_one_pace(np.diff(its)) for its in columns)
+    steady = all(never_falls(its) and at_one_pace(np.diff(its)) for its in columns)
     return list(named) if steady and _pairs(table, {name: name for name in named}) else []
-
-
-def _never_falls(stamps: RealArray) -> bool:
-    """Whether numbers rise and never fall, such as stamps of few digits, of which many repeat the one before."""
-    steps = np.diff(stamps[: filled(stamps)])
-    return bool(steps.size >= FEW_STAMPS and np.all(steps >= 0) and 2 * np.count_nonzero(steps) > FEW_STAMPS)
 
 
 def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
@@ -212,28 +205,10 @@ def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
     if len(table.sizes) == 2 == len(free):
         first, second = columns
         finite = first.size >= MANY_STAMPS and np.all(np.isfinite(first)) and np.all(np.isfinite(second))
-        if finite and _keeps_pace(first) and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
+        if finite and keeps_pace(first) and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
             return [free[0]]
-    running = [name for name, numbers in zip(free, columns, strict=True) if _ticks(numbers)]
+    running = [name for name, numbers in zip(free, columns, strict=True) if ticks(numbers)]
     return running if len(running) == 1 else []
-
-
-def _keeps_pace(stamps: RealArray) -> bool:
-    """Whether numbers rise at one pace but for jitter: in nine of ten parts of a record as in the middle one.
-
-    A way, a counter of something and sorted numbers do not.
-    """
-    steps = np.diff(stamps)
-    usual = float(np.median(steps))
-    if not np.all(steps > 0) or np.all(stamps == np.round(stamps)):
-        return False
-    return _at_one_pace(steps) and bool(np.quantile(np.abs(steps - usual), MOST_STEPS) <= UNSTEADY * usual)
-
-
-def _at_one_pace(steps: RealArray) -> bool:
-    """Whether steps have the mean of the middle part of a record in nine of ten parts."""
-    paces = np.array([part.mean() for part in np.array_split(steps, 10)])
-    return bool(np.sum(np.abs(paces / np.median(paces) - 1) < ONE_PACE) >= 9)
 
 
 def _first(table: Table) -> str:
@@ -248,64 +223,3 @@ def _of_matrix(table: Table, name: str) -> str:
     """Return the first column of a matrix, or the second where the first counts the rows and others follow."""
     first, second, third = (f"{name}[{k}]" for k in (1, 2, 3))
     return second if third in table.sizes and is_count(table.columns([first])[0]) else first
-
-
-def runs_as_clock(stamps: RealArray) -> bool:
-    """Whether numbers rise as the stamps of a clock do: evenly, in even steps that are rounded, or with jitter.
-
-    Whole numbers in even steps of one or more count the rows or are another axis; those of a clock in milliseconds, or
-    finer, jitter. A logarithmic axis has no usual step.
-
-    Examples
-    --------
-    >>> rows = np.arange(100.0)
-    >>> [runs_as_clock(column) for column in (rows / 8, np.round(rows / 7, 1), rows, np.exp(rows), np.sin(rows))]
-    [True, True, False, False, False]
-    """
-    # Columns of other lengths beside it leave it empty at the end.
-    stamps = stamps[: filled(stamps)]
-    if stamps.size < FEW_STAMPS or not np.all(np.isfinite(stamps)):
-        return False
-    with np.errstate(over="ignore"):
-        steps = np.diff(stamps)
-    usual = float(np.median(steps))
-    rises = usual > 0 and bool(np.all(steps > 0))
-    if not np.all(np.isfinite(steps)):
-        return False
-    if usual >= 1 and np.all(stamps == np.round(stamps)):
-        return _ticks(stamps)
-    if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
-        return True
-    # Stamps of whole milliseconds, some of them late by one.
-    late = rises and float(np.max(steps)) <= MOST_LATE * usual and float(np.min(steps)) * MOST_LATE >= usual
-    return late or _are_rounded(stamps, steps)
-
-
-def _ticks(stamps: RealArray) -> bool:
-    """Whether numbers are those of a clock in whole milliseconds, or finer, that jitters."""
-    stamps = stamps[: filled(stamps)]
-    if stamps.size < MANY_STAMPS or not np.all(np.isfinite(stamps)) or not np.all(stamps == np.round(stamps)):
-        return False
-    steps = np.diff(stamps)
-    usual = float(np.median(steps))
-    jitters = usual >= LEAST_TICKS and bool(np.all(steps > 0) and np.ptp(steps) > 0)
-    return jitters and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual
-
-
-def filled(stamps: RealArray) -> int:
-    """Return the number of rows up to the last stamp."""
-    return int(np.max(np.flatnonzero(np.isfinite(stamps)), initial=-1)) + 1
-
-
-def _are_rounded(stamps: RealArray, steps: RealArray) -> bool:
-    """Whether stamps are an even grid, rounded to a unit by which the steps differ."""
-    unit = float(f"{np.ptp(steps):.1g}") if np.all(steps >= 0) else 0.0
-    if not unit > 0:
-        return False
-    counts = stamps / unit
-    # What rises by less is within one unit of a line whatever it is: a channel that steps once, and rests.
-    if counts[-1] - counts[0] < 3:
-        return False
-    line = np.polynomial.Polynomial.fit(np.arange(stamps.size), counts, 1)(np.arange(stamps.size))
-    # Stamps that are rounded to a unit are multiples of it but for this, in units.
-    return bool(np.all(np.abs(counts - np.round(counts)) < 1e-3) and np.all(np.abs(counts - line) <= 1))

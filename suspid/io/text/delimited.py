@@ -16,7 +16,8 @@ from suspid.io.tables import Table, TimeBase
 from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
 from suspid.io.text.endings import is_open
-from suspid.io.text.layouts import Layout, find_layout, with_late_column
+from suspid.io.text.late_columns import with_late_column
+from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
 from suspid.io.text.step_columns import step_clock

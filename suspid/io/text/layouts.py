@@ -23,8 +23,6 @@ RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
 MOSTLY = 0.9
 # An uncertainty behind a value.
 UNCERTAIN = re.compile(r"\d\s*\+-\s*\d")
-# Rows that fill a last column from which on it is one: fewer are odd lines.
-FEW_LATE = 20
 KEY_VALUE = re.compile(
     r"\W*([^\W\d][^:=;,\t]*?)\s*(?::=|[:=;,\t])\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
 )
@@ -199,24 +197,6 @@ def _names(columns: Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
         above.add(names[k])
         taken.add(names[k])
     return names, renamed
-
-
-def with_late_column(layout: Layout, text: bytes, start: int) -> Layout:
-    """Return a layout with a last column where rows without a name above it are filled further down.
-
-    At the top a delimiter that ends each row looks alike.
-    """
-    end = layout.dialect.delimiter.encode()
-    if layout.names[-1] or end == b" " or text.count(end + b"\n", start) == text.count(b"\n", start):
-        return layout
-    mark = re.escape(end)
-    before = len(layout.names) - 1
-    filled = rb"^(?:[^%b\n]*%b){%d}[ \t]*[-+.\d][^%b\n]*$" % (mark, mark, before, mark)
-    rows = re.compile(filled, re.M).finditer(text, start)
-    if len(list(itertools.islice(rows, FEW_LATE))) < FEW_LATE:
-        return layout
-    name = f"column {len(layout.names)}"
-    return replace(layout, names=(*layout.names[:-1], name), kinds={**layout.kinds, name: "missing"})
 
 
 def _listed(others: Mapping[int, str]) -> dict[str, Remark]:

@@ -9,10 +9,10 @@ from functools import partial
 
 import numpy as np
 
+from suspid.io.clock_numbers import JITTERY, MOST_STEPS
 from suspid.io.names import PER_SECOND, STEP_NAMES, is_time, may_be_time, split_unit
 from suspid.io.tables import TimeBase
 from suspid.io.text.rows import Rows
-from suspid.io.time_columns import JITTERY, MOST_STEPS
 from suspid.io.time_units import FEW_STAMPS
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
