@@ -189,6 +189,14 @@ def real_numbers(data: ArrayLike, what: str) -> RealArray:
     return np.asarray(values, float)
 
 
+def block_means(values: RealArray, size: int) -> RealArray:
+    """Return the means over blocks of ``size`` samples, (channel, block); the rest of the samples is left out."""
+    if size == 1:
+        return values
+    blocks = values.shape[1] // size
+    return np.asarray(values[:, : blocks * size].reshape(len(values), blocks, size).mean(axis=2))
+
+
 def uniform_step(timepts: RealArray) -> Second:
     """Return the sampling step of uniform time points [s].
 

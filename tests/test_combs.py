@@ -6,7 +6,7 @@ import pytest
 from suspid import identify
 from suspid.identification.combs import shared_frequency
 from suspid.records import as_response
-from suspid.words import Reason
+from suspid.words import Level, ModeCheck, Reason
 
 TIME = np.arange(4000) / 1000
 TEETH = {3: 1.0, 5: 0.8, 6: 0.5, 8: 0.6, 12: 0.4}
@@ -69,3 +69,30 @@ class TestOvertones:
     @pytest.mark.parametrize("changed", [{"hertz": 6.03}, {"hertz": 12.0}, {"size": 1.5}, {"rate": 0.2}])
     def test_beside_it_or_larger_or_decaying_it_is_a_mode(self, changed: dict[str, float]) -> None:
         assert not self.removed(**changed)
+
+
+def echoes(seed: int, *, every: float = 0.006) -> np.ndarray:
+    """Return pulses of .4 ms, each .9 times as high as the one before, every 6 ms over .12 s at 2.5 kHz, with noise."""
+    time = np.arange(309) / 2500
+    pulses = sum(0.9**k * np.exp(-0.5 * ((time - every * (k + 0.6)) / 4e-4) ** 2) for k in range(20))
+    return np.asarray(12 * pulses + 0.02 * np.random.default_rng(seed).standard_normal(time.size))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_pulses_that_fall_are_doubted_as_modes(seed: int) -> None:
+    found = identify(as_response(np.arange(309) / 2500, echoes(seed)[None], ["coil"]))
+    check = next(check for check in found.verdict.checks if check.remark.code is ModeCheck.PULSE_TRAIN)
+    assert check.level is Level.DOUBTFUL
+    assert check.remark.numbers["seconds"] == pytest.approx(0.006, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_partials_of_a_string_are_modes(seed: int) -> None:
+    """Losses in the air and at the ends grow with the frequency: the eighth partial decays five times as fast."""
+    rng = np.random.default_rng(seed)
+    partials = sum(
+        np.exp(-(1.5 + 0.1 * k * k) * TIME) * np.sin(2 * np.pi * 41 * k * TIME + rng.uniform(0, 6)) for k in range(1, 9)
+    )
+    found = identify(as_response(TIME, (partials + 1e-3 * rng.standard_normal(TIME.size))[None], ["string"]))
+    assert found.modes.wn / (2 * np.pi) == pytest.approx(41 * np.arange(1, 9), rel=1e-3)
+    assert ModeCheck.PULSE_TRAIN not in {check.remark.code for check in found.verdict.checks}

@@ -11,9 +11,9 @@ from suspid.decays.doubts import clipped_samples, doubts_of, doubts_of_backgroun
 from suspid.decays.kinds import kind_of
 from suspid.decays.refusals import fits, refused
 from suspid.decays.starts import find_start
-from suspid.decays.trials import Trial, background_ratio, block_means, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried
 from suspid.decays.verification import verified
-from suspid.signals import Signal
+from suspid.signals import Signal, block_means
 from suspid.words import DecayDoubt, DecayKind, DecayRemark
 from validation.bounds import cramer_rao
 

@@ -14,10 +14,10 @@ from suspid.analysis.longer import longest, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.used import Used, instead_of, used_of
-from suspid.decays import Decays, block_means, by_chance
+from suspid.decays import Decays, by_chance
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import like, of_channels
-from suspid.signals import as_signal
+from suspid.signals import as_signal, block_means
 from suspid.units import RadianPerSecond, Second
 from suspid.words import Level, Note, Remark
 

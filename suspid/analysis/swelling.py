@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.decays import block_means
 from suspid.identification import Identification
 from suspid.levels import SURE
 from suspid.samples import held
-from suspid.signals import Signal, as_signal
+from suspid.signals import Signal, as_signal, block_means
 from suspid.units import Ratio, RealArray
 
 if TYPE_CHECKING:

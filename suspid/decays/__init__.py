@@ -14,7 +14,7 @@ from suspid.decays.others import SAME_MODE, in_common, not_far_weaker
 from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
-from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, block_means, unexplained
+from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, unexplained
 
 __all__ = [
     "DRIVEN",
@@ -26,7 +26,6 @@ __all__ = [
     "TRIAL_PARTS",
     "Decay",
     "Decays",
-    "block_means",
     "by_chance",
     "clearly_driven",
     "find_decays",

@@ -20,10 +20,10 @@ from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
 from suspid.decays.rests import decay_between
 from suspid.decays.starts import Start, find_start
-from suspid.decays.trials import Trial, block_means, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, block_size, quiet_variance, tried
 from suspid.decays.verification import LATEST_START, verified
 from suspid.levels import ROUNDING
-from suspid.signals import Signal
+from suspid.signals import Signal, block_means
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
 from suspid.words import DecayDoubt, DecayKind, DecayRemark, Remark

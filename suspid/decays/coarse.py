@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from suspid.decays.trials import block_means, block_size
+from suspid.decays.trials import block_size
 from suspid.identification import FEWEST_SAMPLES
-from suspid.signals import Signal
+from suspid.signals import Signal, block_means
 from suspid.values import frozen_real
 
 # Share of the power of each channel below the highest frequency that is kept. More keeps what clicks and hum add far

@@ -9,8 +9,8 @@ import numpy as np
 
 from suspid.decays.decay import FIT, Decay
 from suspid.decays.doubts import doubts_of_company
-from suspid.decays.trials import block_means, block_size
-from suspid.signals import Signal
+from suspid.decays.trials import block_size
+from suspid.signals import Signal, block_means
 from suspid.units import Decibel, Ratio, RealArray
 from suspid.words import DecayDoubt, Remark
 

@@ -136,14 +136,6 @@ def block_size(step: Second, top: Hertz) -> int:
     return max(1, int(1 / (BLOCKS_A_CYCLE * top * step)))
 
 
-def block_means(values: RealArray, size: int) -> RealArray:
-    """Return the means over blocks of ``size`` samples, (channel, block); the rest of the samples is left out."""
-    if size == 1:
-        return values
-    blocks = values.shape[1] // size
-    return np.asarray(values[:, : blocks * size].reshape(len(values), blocks, size).mean(axis=2))
-
-
 def quiet_variance(means: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:
     """Return a lower bound of the variance of the noise in the means over blocks of ``size`` samples, (channel,).
 

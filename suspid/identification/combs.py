@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.identification.ongoing import STEADY
 from suspid.identification.selection import Selection
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray, Second
 from suspid.words import Reason
 
 # Tones that share a frequency are at its multiples to within this share of the resolution of the record, 2 pi over its
@@ -23,6 +23,9 @@ HIGHEST_FIRST = 4
 # What falls by less than this many nepers within the record, at a tooth, is driven: what drives it changes by as much.
 # A smaller number takes lines of drifting size for modes.
 LASTING = 3.0
+# Poles that a train of pulses has at least, and how much faster than the median one of them decays: fewer lie at
+# multiples by chance, and partials of strings decay several times as fast as each other.
+FEWEST_REPEATED, ALIKE_RATES = 6, 1.6
 # Multiples of a tone at which a weaker pole is one of its harmonics. Higher ones are met by chance.
 OVERTONES = (2, 3)
 
@@ -62,6 +65,25 @@ def without_overtones(selection: Selection) -> Selection:
         if np.min(off, initial=np.inf) < OFF_TOOTH * 2 * np.pi / count:
             reasons[k] = Reason.OF_TONE
     return replace(selection, reasons=tuple(reasons))
+
+
+def repeated_in(modes: ComplexArray, harmonics: ComplexArray, duration: Second) -> float | None:
+    """Return the frequency at multiples of which most of many poles lie that decay alike [rad/s], None if none do.
+
+    A train of pulses, each lower than the one before, is the sum of such poles. Partials of a string fade the faster
+    the higher they are, and forces that are not linear make harmonics that are weak: not more than one is a mode.
+    """
+    turning = modes[modes.imag > 0]
+    poles = np.append(turning, harmonics[harmonics.imag > 0])
+    if len(turning) < 2 or len(poles) < FEWEST_REPEATED:
+        return None
+    reach = OFF_TOOTH * 2 * np.pi / duration
+    shared = shared_frequency(poles.imag, reach)
+    if shared is None or np.any(poles.real >= 0):
+        return None
+    spread = np.abs(np.log(poles.real / np.median(poles.real)))
+    alike = (_off(poles.imag, shared) < reach) & (spread < np.log(ALIKE_RATES))
+    return shared if np.mean(alike) > MOST_OF_THEM else None
 
 
 def shared_frequency(tones: RealArray, reach: float) -> float | None:

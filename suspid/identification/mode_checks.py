@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.files import printable
+from suspid.identification.combs import repeated_in
 from suspid.identification.fitting import BENT
 from suspid.identification.noise import LOUD
 from suspid.levels import SURE
@@ -138,6 +139,16 @@ def check_rows(found: Identification) -> Iterator[Check]:
         if row.size > len(found.noise_std) + TOLD_BY_FREQUENCY:
             modes = tuple(sorted(int(number) + 1 for number in row))
             yield check_of(ModeCheck.IN_A_ROW, Level.DOUBTFUL, {"modes": modes, "channels": len(found.noise_std)})
+
+
+def check_pulses(found: Identification) -> Iterator[Check]:
+    """Check that the modes are not the lines of a train of pulses, each lower than the one before."""
+    harmonics = [c.pole for c in found.considered if c.remark.code is Reason.HARMONIC]
+    duration = as_signal(held(found, "response")).duration
+    shared = repeated_in(found.modes.poles, np.array(harmonics, complex), duration)
+    if shared is not None:
+        numbers = {"hertz": shared / (2 * np.pi), "seconds": 2 * np.pi / shared}
+        yield check_of(ModeCheck.PULSE_TRAIN, Level.DOUBTFUL, numbers)
 
 
 def check_flashes(found: Identification) -> Iterator[Check]:

@@ -20,6 +20,7 @@ from suspid.identification.mode_checks import (
     check_parts,
     check_phases,
     check_precision,
+    check_pulses,
     check_resolution,
     check_rows,
     numbers_of,
@@ -91,6 +92,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from _left_out(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
     yield from check_parts(found)
     yield from check_rows(found)
+    yield from check_pulses(found)
     yield from check_followed(found)
     yield from check_flashes(found)
     few = list(_few_samples(found))

@@ -176,6 +176,11 @@ class ModeCheck(Code):
             )
         ),
     )
+    PULSE_TRAIN = (
+        "pulse train",
+        "The modes lie at multiples of {hertz:.4g} Hz and decay alike: pulses {seconds:.3g} s apart, each lower than "
+        "the one before, look the same.",
+    )
     STANDS_STILL = (
         "stands still",
         "The motion stops, and some of the poles that fit it would not: friction acts, and the intervals do not hold "

@@ -172,6 +172,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.BROAD_AND_NARROW: NextStep.TWO_AMPLITUDES,
     ModeCheck.BEATS: NextStep.TWO_AMPLITUDES,
     ModeCheck.FLASH: NextStep.WHICH_PART,
+    ModeCheck.PULSE_TRAIN: NextStep.WHICH_PART,
     ModeCheck.IN_A_ROW: NextStep.QUIET,
     ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
     ModeCheck.SHARED_NOISE: NextStep.CHANNELS,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,6 +53,10 @@ class WhiteNoise:
     def at_least(self, variance: RealArray) -> WhiteNoise:
         """Return the noise with the least variance of each channel raised to a given one."""
         return WhiteNoise(least=np.maximum(self.least, variance))
+
+    def of_means(self, size: int) -> WhiteNoise:
+        """Return the noise of means over ``size`` samples each."""
+        return replace(self, least=self.least / size)
 
     def rounded(self, energy: RealArray, count: int, *, of_energies: bool = False) -> WhiteNoise:
         """Return the noise with the least variance raised to the rounding errors of a residual.

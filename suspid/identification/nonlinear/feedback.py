@@ -10,6 +10,7 @@ import numpy as np
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, means
+from suspid.signals import block_means
 from suspid.units import ComplexArray, RealArray
 
 if TYPE_CHECKING:
@@ -92,11 +93,9 @@ class Record:
 
     def thinned(self, factor: int, count: int) -> Record:
         """Return means over ``factor`` samples, and of those the first ``count``."""
-        blocks = min(count, self.values.shape[1] // factor)
-        used = self.values[:, : blocks * factor]
         return replace(
             self,
-            values=np.asarray(used.reshape(len(used), blocks, factor).mean(axis=2)),
+            values=block_means(self.values[:, : count * factor], factor),
             theta=self.theta * factor,
             nuisances=self.nuisances * factor,
         )

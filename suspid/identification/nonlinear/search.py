@@ -11,7 +11,7 @@ from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.harmonics import WEAK
 from suspid.identification.likelihood import DecayFit
 from suspid.identification.noise import WhiteNoise
-from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen, out_of_reach
+from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, out_of_reach
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
     LEAST_FALL,
@@ -26,6 +26,7 @@ from suspid.identification.nonlinear.feedback import (
 )
 from suspid.identification.nonlinear.lengthening import at_full_rate, lengthened
 from suspid.identification.nonlinear.own import next_poles, repeated
+from suspid.identification.nonlinear.rates import Means, WithoutForces
 from suspid.identification.nonlinear.signs import distorted, overtones_alone
 from suspid.identification.nonlinear.standing import driven_stands, energies, misses
 from suspid.identification.selection import Selection
@@ -83,12 +84,9 @@ class _Sought:
 @lru_cache(maxsize=2)
 def _found(sought: _Sought) -> Bent | None:
     values, noise, selection, modes = sought.values, sought.noise, sought.selection, sought.modes
-    linear = selection.fit
-    found = _searched(values, noise, linear, modes)
-    unknowns = linear.poles.free + len(values) * len(linear.poles)
-    bic = noise.loss(np.sum(selection.residual**2, axis=1), values.shape[1]) + unknowns * np.log(values.size)
-    highest = bic if found is None else min(bic, found.bic)
-    bent = _structure(values, noise, linear, found, modes=modes or MOST_MODES, highest=highest)
+    found, linear = _searched(values, noise, selection.fit, modes), WithoutForces.of(selection)
+    bic = linear.bic(noise)
+    bent = _structure(sought, found, linear)
     if bent is not None:
         return bent
     if found is None or modes is not None or found.fit.bic < bic:
@@ -96,26 +94,28 @@ def _found(sought: _Sought) -> Bent | None:
     return found if distorted(selection) and not (misses(found.fit) and overtones_alone(selection)) else None
 
 
-def _structure(
-    values: RealArray, noise: WhiteNoise, linear: DecayFit, found: Bent | None, *, modes: int, highest: float
-) -> Bent | None:
+def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Bent | None:
     """Return the structure of several modes that explains a record best, if there is one."""
+    values, most = sought.values, sought.modes or MOST_MODES
     # Forces act where a motion is measured: at one point of several masses they are not seen.
     if not 1 < len(values) <= MOST_MASSES:
         return None
-    record = _record(values, noise, linear)
+    record = _record(values, sought.noise, sought.selection.fit)
     if out_of_reach(record):
         return None
-    plain, _ = _linear_modes(record, modes)
-    if plain is None or np.min(1 - plain.squares / np.sum(values**2, axis=1)) < EACH_EXPLAINED:
+    if not len(record.theta):
+        alone, _ = _linear_modes(record, 1)
+        record = record if alone is None else replace(record, theta=alone.drive.theta, amplitudes=alone.amplitudes)
+    means = Means.of(record, found, linear)
+    plain, _ = _linear_modes(means.record, most)
+    if plain is None or np.min(1 - plain.squares / np.sum(means.record.values**2, axis=1)) < EACH_EXPLAINED:
         return None
     try:
-        structure = chosen(record, plain, found, most=modes, highest=highest)
+        structure = means.structure(plain, most=most)
     except np.linalg.LinAlgError:
         # A motion that runs away has no covariance.
         return None
-    # The swings of a single mode are described by the forces as they were measured.
-    if structure is None or len(structure.theta) < 2:
+    if structure is None:
         return None
     return Bent(fit=plain, forces=structure.forces, order=structure.order, structure=structure)
 
