@@ -84,11 +84,23 @@ def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level:
 
 @pytest.mark.parametrize(("loud", "level"), [(61.0, Level.DOUBTFUL), (2.0, Level.CARE)])
 def test_a_short_stretch_beside_more_than_noise_is_a_guess(decay: Decay, loud: float, level: Level) -> None:
-    time = np.arange(300) / 100
+    time = np.arange(200) / 100
     found = identify(as_response(time, (np.exp(-time) * np.sin(9 * time))[None], ["seat"]))
     found = replace(found, loudness=np.full(len(found.modes), loud))
     short = replace(decay, doubts=(Remark(DecayDoubt.FEW_CYCLES, {"cycles": 1.0}),))
     assert [check.level for check in doubts_of((short,), found, ())] == [level]
+
+
+@pytest.mark.parametrize("doubt", [DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT])
+@pytest.mark.parametrize(("fall", "doubted"), [(1.0, False), (2.5, False), (12.0, True)])
+def test_few_cycles_of_a_quick_fit_are_no_doubt_where_many_are_identified(
+    doubt: DecayDoubt, fall: float, doubted: bool, decay: Decay
+) -> None:
+    """Of 1.4 cycles a second, the mode makes 4.3, 4 or 1.8 in the record until it is gone (e to the -3)."""
+    time = np.arange(300) / 100
+    found = identify(as_response(time, (np.exp(-fall * time / 3) * np.sin(9 * time))[None], ["seat"]))
+    short = replace(decay, doubts=(Remark(doubt, {"cycles": 1.0, "hertz": 1.4}),))
+    assert bool(doubts_of((short,), found, ())) is doubted
 
 
 def test_the_end_of_a_doubted_decay_is_no_better_than_all_of_it(decay: Decay) -> None:

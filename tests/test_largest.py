@@ -80,6 +80,18 @@ class TestOfLargest:
         assert found.verdict.level > Level.DOUBTFUL
         assert of_largest(whole.record, part, found, Settings()) is None
 
+    def test_a_swing_of_many_is_no_result_where_all_of_them_are(self) -> None:
+        """The swing is as large as any other: the record does not move more elsewhere."""
+        lasting = np.where(self.t > 5, np.exp(-0.02 * np.maximum(self.t - 5, 0)) * np.sin(12 * (self.t - 5)), 0.0)
+        whole, _ = self.stretch(1.0, lasting + self.noise)
+        part, found = cut(whole.record, start=20.3, stop=21.0), identify(cut(whole.record, start=5.3, stop=6.0))
+        assert len(found.modes)
+        assert found.verdict.level is Level.DOUBTFUL
+        used = of_largest(whole.record, Used(record=part, decays=(), used=(), notes=()), found, Settings())
+        assert used is not None
+        assert used.identification is not None
+        assert used.identification.modes.zeta == pytest.approx([0.02 / 12], rel=0.05)
+
     @pytest.mark.parametrize("settings", [Settings(start=1.0), Settings(modes=1), Settings(decay="whole")])
     def test_what_the_settings_choose_stays(self, settings: Settings) -> None:
         whole, calm = self.stretch(1.0, self.swing + self.noise)

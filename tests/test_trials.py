@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from suspid import identify
 from suspid.decays.bursts import Burst
 from suspid.decays.doubts import clipped_samples, doubts_of, doubts_of_background, doubts_of_company
 from suspid.decays.kinds import kind_of
@@ -13,6 +14,7 @@ from suspid.decays.refusals import fits, refused
 from suspid.decays.starts import find_start
 from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried
 from suspid.decays.verification import verified
+from suspid.records import as_response
 from suspid.signals import Signal, block_means
 from suspid.words import DecayDoubt, DecayKind, DecayRemark
 from validation.bounds import cramer_rao
@@ -273,6 +275,15 @@ class TestStart:
         begin, doubt = verified(signal(values), found, 0, 700, 8, moved=True)
         assert 3 <= begin < 8
         assert doubt is None
+
+    def test_a_harmonic_that_was_named_is_not_missing(self) -> None:
+        """Twice the frequency of a strong mode, twice its rate: it is found, as a part of that mode."""
+        powers = np.exp(np.outer([-0.004 + 0.2j, -0.008 + 0.4j], np.arange(700)))
+        values = (np.array([[1.0, 0.3], [0.8, 0.24]]) @ powers).real + 1e-4 * noise(4, 700)
+        found = trial(values, size=2)
+        assert len(found.modes) == 2
+        assert len(identify(as_response(np.arange(700) / 100, values, ["a", "b"])).modes) == 1
+        assert verified(signal(values), found, 0, 700, 2, moved=False) == (0, None)
 
     def test_identify_verifies_the_modes_of_a_trial(self) -> None:
         values = decay(700) + 1e-3 * noise(4, 700)

@@ -206,7 +206,7 @@ class TestStructure:
         verdict = verdict_of(replace(found, residual=as_response(signal.timepts, values, signal.channels)))
         assert bool(said(verdict, ModeCheck.RESIDUAL_COLOURED)) is much
 
-    @pytest.mark.parametrize("multiple", [1, 2, 3])
+    @pytest.mark.parametrize("multiple", [1, 2, 3, 5])
     def test_what_a_fit_leaves_of_its_mode_is_no_line(self, found: Identification, multiple: int) -> None:
         hertz = multiple * float(found.modes.poles[0].imag) / (2 * np.pi)
         hum = np.sin(2 * np.pi * hertz * STEP * np.arange(2000)) + 0.1 * np.random.default_rng(3).standard_normal(2000)
@@ -361,6 +361,8 @@ class TestNoMode:
         away = Considered(pole=-1 + 30j, remark=Remark(Reason.OUTSIDE_THE_BAND), removed=True)
         (check,) = said(verdict_of(replace(noise, considered=(away,))), ModeCheck.NOT_IN_BAND)
         assert check.remark.numbers["poles"] == 1
+        nyquist = replace(away, remark=Remark(Reason.NEAR_NYQUIST))
+        assert not said(verdict_of(replace(noise, considered=(nyquist,))), ModeCheck.NOT_IN_BAND)
 
     def test_motion_that_was_removed(self, noise: Identification) -> None:
         tone = Considered(pole=30j, remark=Remark(Reason.TONE), removed=True)
@@ -372,6 +374,14 @@ class TestNoMode:
         hum = as_response(signal.timepts, signal.values + 0.9 * np.cos(60.0 * signal.timepts), ["y"])
         line = Considered(pole=complex(-decay / signal.duration, 60.0), remark=Remark(Reason.NOT_NEEDED), removed=False)
         assert bool(said(verdict_of(replace(noise, response=hum, considered=(line,))), ModeCheck.STEADY_LINE)) is steady
+
+    def test_what_falls_by_half_is_no_steady_line(self, noise: Identification) -> None:
+        """A chime that is struck again and again: its pole does not decay over all of the record."""
+        signal = as_signal(noise.response)
+        falls = np.exp(-1.5 * np.mod(signal.timepts / signal.duration, 1 / 3) * 3)
+        hum = as_response(signal.timepts, signal.values + 0.9 * falls * np.cos(60.0 * signal.timepts), ["y"])
+        line = Considered(pole=60.0j, remark=Remark(Reason.NOT_NEEDED), removed=False)
+        assert not said(verdict_of(replace(noise, response=hum, considered=(line,))), ModeCheck.STEADY_LINE)
 
     def test_a_broad_peak_is_no_line(self, noise: Identification) -> None:
         """A resonance driven by noise: its strongest pole may lie on the axis, yet the spectrum has no line."""

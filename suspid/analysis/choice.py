@@ -50,6 +50,8 @@ OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # A fit to a stretch so short is a guess where it leaves this multiple of the power of noise near a mode: what it leaves
 # has the size of what tells the damping.
 LITTLE_SEEN, FAR_FROM_NOISE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT}), 10.0
+# Where each mode that was identified makes more cycles than this, until it ends or has died away, it is no guess.
+CYCLES_ENOUGH, DIED_AWAY = 4.0, 3.0
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
 # Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
@@ -146,6 +148,7 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
     refuted, answered = (FIT, ANSWERED) if settled(found) and not bent else (frozenset(), frozenset())
     answered |= FIT if not bent and explained_by_forces(found) else frozenset()
+    answered |= LITTLE_SEEN if _cycles(found) > CYCLES_ENOUGH else frozenset()
     guessed = LITTLE_SEEN if np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE else frozenset()
     own = (
         Check(
@@ -156,6 +159,14 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
         if doubt.code not in answered
     )
     return (*own, *_never_swings(decay, found), *_not_repeated(decay, found, decays))
+
+
+def _cycles(found: Identification) -> float:
+    """Return the least number of cycles of a mode before the record ends, or before it has died away; 0 without one."""
+    poles, duration = found.modes.poles, as_signal(held(found, "response")).duration
+    turning = poles[poles.imag > 0]
+    lasting = np.minimum(duration, DIED_AWAY / np.abs(turning.real).clip(1e-300))
+    return float(np.min(turning.imag * lasting, initial=np.inf) / (2 * np.pi)) if turning.size else 0.0
 
 
 def _never_swings(decay: Decay, found: Identification) -> tuple[Check, ...]:

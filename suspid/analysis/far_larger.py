@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 FAR_MORE = 100.0
 # A decay is the end of another that has this many times its energy: a third of the amplitude.
 MORE = 10.0
+# A decay that holds less than this share of the energy of its record may be a part of what is seen. A larger share
+# costs the time of more identifications where a record holds many decays.
+HARDLY_ANY = 0.03
 # Two damping ratios are unlike if they differ by this share, and beyond chance: friction doubles that of the last
 # swings, and a decay whose damping is the same from any start is as well known by its end.
 UNLIKE = 0.25
@@ -98,6 +101,15 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
         return ()
     middle = signal.start + signal.step * float(apart[most] + count / 2)
     return (Remark(Note.LARGER_ELSEWHERE, {"times": float(np.sqrt(more[most])), "time": middle}),)
+
+
+def hardly_any(record: control.TimeResponseData, stretch: Used) -> bool:
+    """Return whether a part holds next to nothing of the energy of each of its channels in a record.
+
+    One swing of a beat, or of a bell, looks like a decay that ends where the next begins.
+    """
+    about, part = _energies(as_signal(record)), _energies(as_signal(stretch.record))
+    return all(own < HARDLY_ANY * about.get(name, 0.0) for name, own in part.items())
 
 
 def _share(found: Identification, about: Mapping[str, float]) -> float:

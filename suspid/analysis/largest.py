@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.choice import damping_known, tried
-from suspid.analysis.far_larger import larger_elsewhere
+from suspid.analysis.far_larger import hardly_any, larger_elsewhere
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
@@ -42,8 +42,9 @@ FALLS_AT_ONCE, DAMPED_ALIKE = 1 / 3, 1.5
 STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
 # Other starts that must show the same modes, for a result that is not doubtful and for one that is.
 AGREE, AGREE_DOUBTFUL = 1, 2
-# A motion of more samples is a drive more often than a decay, and takes seconds for each start.
-LONGEST_TRIED = 50_000
+# A motion of more samples than the first number takes seconds for each start: fewer are tried then. One of more than
+# the second is a drive more often than a decay.
+LONG, FEWER_STARTS, LONGEST_TRIED = 50_000, (0.0, 0.1, 0.4), 250_000
 # A fit explains this share of the energy of a channel where its modes are the largest motion.
 MOST_OF_IT = 0.8
 
@@ -54,11 +55,14 @@ def of_largest(
     """Return the largest motion of a record where modes are the same from several starts; None if they are not.
 
     ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless it is doubtful
-    and the record moves far more elsewhere. The first start is used whose modes another shows too.
+    and the record moves far more elsewhere or the decay has next to nothing of its motion. The first start is used
+    whose modes another shows too.
     """
     if not questioned(found, settings):
         return None
-    if len(found.modes) and not (found.verdict.level is Level.DOUBTFUL and larger_elsewhere(record, stretch)):
+    if len(found.modes) and found.verdict.level is not Level.DOUBTFUL:
+        return None
+    if len(found.modes) and not (hardly_any(record, stretch) or larger_elsewhere(record, stretch)):
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
     signal = as_signal(record)
@@ -70,7 +74,8 @@ def of_largest(
     count = (last - first) / signal.step
     if not FEWEST_SAMPLES / (1 - STARTS_TRIED[-1]) <= count <= LONGEST_TRIED:
         return None
-    parts = [cut(record, start=first + share * (last - first), stop=last) for share in STARTS_TRIED]
+    shares = STARTS_TRIED if count <= LONG else FEWER_STARTS
+    parts = [cut(record, start=first + share * (last - first), stop=last) for share in shares]
     tries = [tried(part, settings) for part in parts]
     if stands_out is None and not _as_damped_later(tries):
         return None

@@ -15,7 +15,7 @@ from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import Decay, Decays, releases_before, rests_from
+from suspid.decays import LITTLE, Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification
 from suspid.levels import NORMAL_95
 from suspid.records import cut, of_channels
@@ -42,7 +42,7 @@ KNOWN_WN, KNOWN_ZETA = 0.01, 0.25
 # within this number of periods of the slowest: friction bends a motion until only its last cycles look like a decay.
 BEFORE_DECAY, BEFORE_PERIODS = 3.0, 20.0
 # Doubts that end with the first of two decays that are joined.
-OF_LENGTH = frozenset({DecayDoubt.CUT_OFF, DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
+OF_LENGTH = LITTLE | {DecayDoubt.CUT_OFF}
 
 
 def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
@@ -79,7 +79,7 @@ def longest(record: control.TimeResponseData, best: Used) -> Used | None:
     if not (starts or later):
         return None
     last = max([best.used[0], *later], key=lambda decay: decay.stop)
-    return used_of(record, best.decays, replace(last, start=min([last.start, *starts])))
+    return used_of(record, best.decays, _from(last, min([last.start, *starts])) if starts else last)
 
 
 def with_identification(used: Used, settings: Settings) -> Used:
@@ -128,7 +128,7 @@ def _earlier(record: control.TimeResponseData, best: Used) -> Iterator[Decay]:
     rests = signal.timepts[-1] - rest > EARLIER * _period(used)
     if rests and used.stop < rest and not _followed(signal, best):
         yield from (replace(_to_the_end(used, rest), start=start) for start in released)
-    yield from (replace(used, start=start) for start in released if start < used.start - EARLIER * _period(used))
+    yield from (_from(used, start) for start in released if start < used.start - EARLIER * _period(used))
     yield from before
 
 
@@ -210,6 +210,11 @@ def shared_modes(found: Sequence[Identification | None]) -> list[float]:
         apart = np.min(np.abs(own[:, None] - others), axis=1)
         shares.append(float(np.mean(apart < SAME_POLE * np.abs(own))))
     return shares
+
+
+def _from(decay: Decay, start: Second) -> Decay:
+    """Return a decay that begins earlier: what was said of few cycles was said of its end."""
+    return replace(decay, start=start, doubts=tuple(doubt for doubt in decay.doubts if doubt.code not in LITTLE))
 
 
 def _until(decay: Decay, stop: Second) -> Decay:

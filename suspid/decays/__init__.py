@@ -8,7 +8,7 @@ that for one event), `tails` (the free end of a driven record) and `releases` (a
 again).
 """
 
-from suspid.decays.decay import FIT, GRAVE, Decay, Decays, by_chance
+from suspid.decays.decay import FIT, GRAVE, LITTLE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
 from suspid.decays.others import SAME_MODE, in_common, not_far_weaker
 from suspid.decays.predictions import releases_before, rests_from
@@ -21,6 +21,7 @@ __all__ = [
     "FEWEST_EARLY",
     "FIT",
     "GRAVE",
+    "LITTLE",
     "LOOK_BLOCKS",
     "SAME_MODE",
     "TRIAL_PARTS",

@@ -9,7 +9,7 @@ from suspid.errors import SuspidError
 from suspid.identification import FORCED, MOST_PAIRS, Identification, identify, identify_linear
 from suspid.samples import as_samples
 from suspid.signals import Signal
-from suspid.words import DecayDoubt, Remark
+from suspid.words import DecayDoubt, Reason, Remark
 
 # No start lies beyond this share of the stretch: the rest is too short to recognise a decay.
 LATEST_START = 0.4
@@ -27,6 +27,8 @@ NEAR, NEAR_SURE = 0.05, 3.5
 # The residual near a mode is at most this many times that of white noise; beyond that the motion is driven or
 # nonlinear.
 MOST_RESIDUAL = 4.0
+# What a pole is that is found, but is no mode: part of the motion of modes that are not linear.
+OF_MODES = frozenset({Reason.HARMONIC, Reason.COMBINATION})
 
 
 def verified(
@@ -72,10 +74,12 @@ def _doubt(trial: Trial, found: Identification) -> Remark | None:
     spread = -poles.real * trial.rate_std[strong]
     reach = NEAR * np.abs(poles) + NEAR_SURE * spread
     missing, highest = list[float](), 1.0
+    named = np.array([c.pole for c in found.considered if c.remark.code in OF_MODES], complex)
     for pole, most in zip(poles, reach, strict=True):
         apart = np.abs(found.modes.poles - pole)
         if not apart.size or np.min(apart) > most:
-            missing.append(float(abs(pole)) / (2 * np.pi))
+            if not np.any(np.abs(named - pole) < most):
+                missing.append(float(abs(pole)) / (2 * np.pi))
             continue
         highest = max(highest, float(found.loudness[np.argmin(apart)]))
     if missing:

@@ -62,7 +62,9 @@ def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[
     if other and decay < TONE_SURE * spread:
         return Reason.UNSURE
     # A sampled motion near the Nyquist frequency cannot be told from a real pole of alternating sign.
-    if not band[0] <= abs(theta) <= band[1] or theta.imag > 0.98 * np.pi:
+    if theta.imag > 0.98 * np.pi or abs(theta) > np.pi:
+        return Reason.NEAR_NYQUIST
+    if not band[0] <= abs(theta) <= band[1]:
         return Reason.OUTSIDE_THE_BAND
     return None
 

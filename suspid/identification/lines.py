@@ -14,6 +14,8 @@ LINE_LEVEL = 1e-6
 BINS_BESIDE, BINS_FILLED = 24, 3
 # Power this many bins from the peak, relative to it, above which the peak is broad: a mode or coloured noise.
 BROAD_AT, BROAD = (4, 5, 6), 0.05
+# Parts of a record in which a steady line is compared, and the largest ratio of its sizes there.
+EVEN_PARTS, EVEN_TO = 8, 2.0
 
 
 def clear_line(values: RealArray, step: Second) -> Hertz | None:
@@ -46,6 +48,25 @@ def clear_line(values: RealArray, step: Second) -> Hertz | None:
             if ratio > limit and (best is None or ratio > best[0]):
                 best = (ratio, k)
     return None if best is None else float(best[1] / (count * step))
+
+
+def is_even(values: RealArray, omega: float) -> bool:
+    """Return whether a line, at an angle per sample, has about the same size in each part of a record.
+
+    In the channel that shows it most.
+
+    Examples
+    --------
+    >>> hum = np.cos(0.3 * np.arange(2000))[None]
+    >>> is_even(hum, 0.3), is_even(np.exp(-np.arange(2000) / 1200) * hum, 0.3)
+    (True, False)
+    """
+    each = values.shape[1] // EVEN_PARTS
+    parts = values[:, : EVEN_PARTS * each].reshape(len(values), EVEN_PARTS, each)
+    window = np.hanning(each + 2)[1:-1] * np.exp(-1j * omega * np.arange(each))
+    sizes = np.abs((parts - parts.mean(axis=2, keepdims=True)) @ window)
+    most = sizes[int(np.argmax(sizes.sum(axis=1)))]
+    return bool(np.max(most) < EVEN_TO * np.min(most))
 
 
 def _ratio(row: RealArray, k: int) -> float:

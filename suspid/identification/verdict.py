@@ -9,7 +9,8 @@ import numpy as np
 
 from suspid.files import printable
 from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
-from suspid.identification.lines import clear_line
+from suspid.identification.harmonics import LOW_ORDER
+from suspid.identification.lines import clear_line, is_even
 from suspid.identification.mode_checks import (
     check_amplitudes,
     check_cycles,
@@ -48,7 +49,7 @@ FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
 # the last has it when they have fallen to this to the power of n - 1; one power is left for noise.
 STILL_THERE = 0.37
 # A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
-NEAR_A_MODE, HARMONICS_LEFT = 0.03, 3
+NEAR_A_MODE, HARMONICS_LEFT = 0.03, 7
 
 
 def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
@@ -142,7 +143,8 @@ def _why_none(found: Identification) -> Iterator[Check]:
         near = line is not None and abs(2 * np.pi * line - strongest.imag) < 4 * np.pi / signal.duration
         # A pole that decays by less than e^-1 in more than 10 cycles is a steady line.
         steady = abs(strongest.real) * signal.duration < 1.0
-        if steady and near and strongest.imag * signal.duration > 20 * np.pi:
+        lasts = steady and near and strongest.imag * signal.duration > 20 * np.pi
+        if lasts and is_even(signal.values, strongest.imag * signal.step):
             yield check_of(ModeCheck.STEADY_LINE, Level.NONE, {"hertz": strongest.imag / (2 * np.pi)})
 
 
@@ -240,9 +242,12 @@ def _structure(found: Identification, residual: Signal, finest: RealArray) -> It
 def _left_by_a_mode(found: Identification, line: Hertz) -> bool:
     """Return whether a line is at a mode near which the residual is loud, or at a multiple: what its fit leaves."""
     loud = found.modes.poles[found.loudness > 1].imag / (2 * np.pi)
-    multiples = np.outer(loud[loud > 0], np.arange(1, HARMONICS_LEFT + 1))
+    orders = np.arange(1, HARMONICS_LEFT + 1)
+    off = np.abs(np.outer(loud[loud > 0], orders) - line)
     resolution_hz = 1 / as_signal(held(found, "residual")).duration
-    return bool(np.any(np.abs(multiples - line) < np.maximum(NEAR_A_MODE * multiples, 3 * resolution_hz)))
+    # High multiples are near every frequency.
+    near = NEAR_A_MODE * np.outer(loud[loud > 0], np.minimum(orders, LOW_ORDER))
+    return bool(np.any(off < np.maximum(near, 3 * resolution_hz)))
 
 
 def _left_out(found: Identification, reason: Reason, check: ModeCheck, level: Level) -> Iterator[Check]:

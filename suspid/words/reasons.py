@@ -46,6 +46,7 @@ class Reason(Code):
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
     BEGINNING = "beginning", "together with others it fits only the first samples: motion before the free decay"
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
+    NEAR_NYQUIST = "near Nyquist", "too near half the sampling rate, or above it, to be told from another motion"
     BEYOND = "beyond", "weaker than the requested modes"
     REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record does not distinguish them"
     SPLIT = (
