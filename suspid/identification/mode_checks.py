@@ -73,8 +73,10 @@ def check_amplitudes(found: Identification) -> Iterator[Check]:
     if not found.forces:
         return
     kinds = tuple(dict.fromkeys(force.kind.value for force in found.forces))
-    # Where all modes of a nonlinear fit fall by half in a cycle, a pulse of force without ringing looks the same.
-    swings = bool(np.min(found.modes.zeta) < np.log(2) / (2 * np.pi))
+    # Where all modes of a nonlinear fit fall by half in their first cycle, a pulse of force without ringing looks the
+    # same. Friction ends a motion that swung at first.
+    first = [each.known.ends[0][1] for each in found.amplitude_dependence]
+    swings = bool(min([*found.modes.zeta.tolist(), *first]) < np.log(2) / (2 * np.pi))
     yield check_of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
     if len(found.modes) == 1 and any(each.beats for each in found.amplitude_dependence):
         yield check_of(ModeCheck.BEATS, Level.DOUBTFUL)
