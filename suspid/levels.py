@@ -12,6 +12,8 @@ from suspid.wording import Argument
 LEVEL = 0.95
 # Standard deviations of the interval that holds 95 % of a normal variable.
 NORMAL_95 = 1.959963984540054
+# Median of |z| for standard normal z.
+NORMAL_MEDIAN = 0.6744897501960817
 # Rise of chi-square up to which two values of one unknown are equally likely: 95 % of one degree of freedom.
 CHI_SQUARE_95 = NORMAL_95**2
 # Probability below which chance is no explanation: one false alarm in a thousand. A smaller one lets weak misfits pass.

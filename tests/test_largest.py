@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 from scipy.special import ellipk
 
 from suspid import Identification, Settings, analyse, as_record, identify
-from suspid.analysis.largest import _as_damped_later, _largest, _shrinking, of_largest
+from suspid.analysis.largest import _as_damped_later, _largest, of_largest
+from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.signals import Signal, as_signal
@@ -200,9 +202,7 @@ class TestShrinking:
     t = np.arange(1000) / 100
 
     def span(self, values: RealArray) -> tuple[float, float] | None:
-        return _shrinking(
-            Signal(start=2.0, step=0.01, values=np.atleast_2d(values), channels=("a", "b")[: values.ndim])
-        )
+        return shrinking(Signal(start=2.0, step=0.01, values=np.atleast_2d(values), channels=("a", "b")[: values.ndim]))
 
     def test_from_the_largest_swing_to_the_last_sample(self) -> None:
         fall = np.exp(-0.1 * self.t) * np.cos(2 * np.pi * self.t)
@@ -248,3 +248,68 @@ def test_it_calls_for_care() -> None:
     used = replace(found, notes=(*found.notes, Remark(Note.LARGEST_USED, {"start": 1.0, "stop": 2.0})))
     assert RecordCheck.LARGEST_USED in {check.remark.code for check in used.verdict.checks}
     assert used.verdict.level is Level.CARE
+
+
+class TestLongestShrinking:
+    t = np.arange(6000) / 100
+    free = np.where(t > 5, np.exp(-0.03 * np.maximum(t - 5, 0)) * np.sin(2 * np.pi * 0.6 * (t - 5)), 0.0)
+
+    def found(self, *values: RealArray) -> tuple[str, float, float] | None:
+        channels = ("a", "b")[: len(values)]
+        return longest_shrinking(Signal(start=2.0, step=0.01, values=np.array(values), channels=channels))
+
+    def noise(self, seed: int, size: float = 0.01) -> RealArray:
+        return np.asarray(size * np.random.default_rng(seed).standard_normal(self.t.size))
+
+    @pytest.mark.parametrize("seed", [1, 2, 3])
+    def test_beside_a_knock_at_the_end(self, seed: int) -> None:
+        knock = np.where(self.t > 59, 5 * np.exp(-8 * np.maximum(self.t - 59, 0)) * np.sin(90 * (self.t - 59)), 0.0)
+        run = self.found(self.noise(seed), self.free + knock + self.noise(seed + 10))
+        assert run is not None
+        name, first, last = run
+        assert name == "b"
+        assert first == pytest.approx(7.0, abs=2.5)
+        assert 58 < last < 62
+
+    def test_swings_that_noise_drives_are_none(self) -> None:
+        """A resonance of 1.5 Hz and zeta .02 in white noise: in a minute its swings shrink for seven seconds."""
+        poles = np.exp(0.01 * 2 * np.pi * 1.5 * np.array([-0.02 + 1j, -0.02 - 1j]))
+        for seed in range(20):
+            drive = np.random.default_rng(seed).standard_normal(self.t.size)
+            assert self.found(np.asarray(lfilter([1.0], np.poly(poles).real, drive))) is None
+
+    def test_what_swells_lasts_or_shrinks_for_a_part_is_none(self) -> None:
+        steady = np.sin(2 * np.pi * 0.6 * self.t) + self.noise(4)
+        assert self.found(steady) is None
+        assert self.found(self.free[::-1].copy()) is None
+        brief = np.exp(-0.2 * self.t) * np.sin(2 * np.pi * 1.2 * self.t) + self.noise(5)
+        assert self.found(brief) is None
+        # Half of a beat falls most at its end.
+        assert self.found(np.cos(np.pi / 2 * self.t / 60) * np.sin(2 * np.pi * 0.6 * self.t)) is None
+
+    def test_swings_of_other_times_are_none(self) -> None:
+        """A sweep, whose swings take half the time at its end."""
+        sweep = np.exp(-0.02 * self.t) * np.sin(2 * np.pi * (0.4 + 0.01 * self.t) * self.t)
+        assert self.found(sweep) is None
+
+
+@pytest.mark.parametrize("seed", [2, pytest.param(4, marks=pytest.mark.slow), pytest.param(5, marks=pytest.mark.slow)])
+def test_a_phone_that_swings_and_is_caught(seed: int, tmp_path: Path) -> None:
+    """Handled at first, then .465 Hz, zeta .006, and a hand that stops it, with far larger accelerations."""
+    rng, t = np.random.default_rng(seed), np.arange(0, 60, 1 / 125)
+    swing = 0.4 * np.exp(-0.006 * 2 * np.pi * 0.465 * t) * np.cos(2 * np.pi * 0.465 * t)
+    across = 0.08 * np.exp(-0.012 * 2 * np.pi * 0.465 * t) * np.cos(2 * np.pi * 0.93 * t + 0.3)
+    handled = np.convolve(rng.standard_normal(t.size), np.hanning(30), "same") * np.exp(-t / 2) * 0.3
+    hand = np.convolve(rng.standard_normal(t.size), np.hanning(9), "same") * np.exp(-8 * np.maximum(t - 59.5, 0))
+    stopped = np.where(t > 59.5, 0.2 * hand, 0.0)
+    noise = 0.012 * rng.standard_normal((3, t.size))
+    rows = (
+        np.array([0.3 * handled + 9 * stopped, across + handled - 2 * stopped, swing + handled + 4 * stopped]) + noise
+    )
+    header = '"Time (s)","Acceleration x (m/s^2)","Acceleration y (m/s^2)","Acceleration z (m/s^2)"'
+    path = tmp_path / "phone.csv"
+    np.savetxt(path, np.column_stack([t, rows.T]), fmt="%.9E", delimiter=",", header=header, comments="")
+    found = analyse(path)
+    near = np.abs(found.modes.wn / (2 * np.pi * 0.465) - 1) < 0.01
+    assert near.sum() == 1
+    assert found.modes.zeta[near] == pytest.approx([0.006], rel=0.15)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,14 +12,14 @@ from suspid.analysis.choice import damping_known, tried
 from suspid.analysis.far_larger import hardly_any, larger_elsewhere
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
+from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
-from suspid.analysis.swings import AT_REST, EVEN_SWINGS, turns_of
 from suspid.analysis.used import Used, instead_of
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal
-from suspid.units import RealArray, Second
+from suspid.units import Second
 from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
@@ -32,12 +32,9 @@ STANDS_OUT = 10.0
 # A motion lasts until a part moves less than this multiple of what the calmest tenth does, or than this share of the
 # largest.
 CALM_AGAIN, FADED = 1.5, 0.01
-# Swings that shrink one after the other, from the largest of the record on. Fewer are common in a resonance that noise
-# drives; that swells again to more than this share of the largest.
-SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
-# Half of a beat shrinks too, hardly at first and most before its node: the first third of free swings falls at this
-# share of the rate of all at least, and the damping from the first and from the last start on is alike to this factor.
-FALLS_AT_ONCE, DAMPED_ALIKE = 1 / 3, 1.5
+# Half of a beat shrinks as swings do, but its damping grows: that from the first and from the last start on is alike to
+# this factor.
+DAMPED_ALIKE = 1.5
 # Shares of the motion after which it may be free: what lets it go acts for a while.
 STARTS_TRIED = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4)
 # Other starts that must show the same modes, for a result that is not doubtful and for one that is.
@@ -55,37 +52,74 @@ def of_largest(
     """Return the largest motion of a record where modes are the same from several starts; None if they are not.
 
     ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless it is doubtful
-    and the record moves far more elsewhere or the decay has next to nothing of its motion. The first start is used
-    whose modes another shows too.
+    and the record moves far more elsewhere, the decay has next to nothing of its motion, or swings shrink for most of
+    the record. The first start is used whose modes another shows too.
     """
     if not questioned(found, settings):
         return None
     if len(found.modes) and found.verdict.level is not Level.DOUBTFUL:
         return None
-    if len(found.modes) and not (hardly_any(record, stretch) or larger_elsewhere(record, stretch)):
-        return None
+    beside = bool(len(found.modes))
+    largest = not beside or hardly_any(record, stretch) or bool(larger_elsewhere(record, stretch))
     record = of_channels(record, as_signal(stretch.record).channels)
+    for motion in _motions(record, largest=largest):
+        used = _agreed(motion, settings, beside=beside)
+        if used is not None:
+            out = tuple(name for name in as_signal(record).channels if name not in as_signal(used.record).channels)
+            notes = (Remark(Note.FEWER_CHANNELS, {"names": out}),) if out else ()
+            return instead_of(stretch, replace(used, decays=stretch.decays, notes=(*notes, *used.notes)))
+    return None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Motion:
+    """A part of a record that may be free from some time on."""
+
+    record: control.TimeResponseData
+    first: Second
+    last: Second
+    shrinks: bool  # whether its swings shrink; else it stands out
+
+
+def _motions(record: control.TimeResponseData, *, largest: bool) -> Iterator[_Motion]:
+    """Yield what moves most in a record, or swings that shrink from the ``largest`` on; then those that do so for long.
+
+    These may be beside a larger knock, and are those of a single channel.
+    """
     signal = as_signal(record)
-    stands_out = _largest(signal)
-    span = stands_out or _shrinking(signal)
-    if span is None:
-        return None
-    first, last = span
-    count = (last - first) / signal.step
+    stands_out = _largest(signal) if largest else None
+    span = stands_out or (shrinking(signal) if largest else None)
+    if span is not None:
+        yield _Motion(record=record, first=span[0], last=span[1], shrinks=stands_out is None)
+    run = longest_shrinking(signal)
+    # The same swings were tried.
+    known = span is not None and stands_out is None and len(signal.channels) == 1
+    if run is not None and not known:
+        channel, first, last = run
+        yield _Motion(record=of_channels(record, [channel]), first=first, last=last, shrinks=True)
+
+
+def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None:
+    """Return the first part of a motion whose modes another start shows too; None if there is none.
+
+    Where there are doubtful modes ``beside`` it, only one that is not doubtful.
+    """
+    length = motion.last - motion.first
+    count = length / as_signal(motion.record).step
     if not FEWEST_SAMPLES / (1 - STARTS_TRIED[-1]) <= count <= LONGEST_TRIED:
         return None
     shares = STARTS_TRIED if count <= LONG else FEWER_STARTS
-    parts = [cut(record, start=first + share * (last - first), stop=last) for share in shares]
+    parts = [cut(motion.record, start=motion.first + share * length, stop=motion.last) for share in shares]
     tries = [tried(part, settings) for part in parts]
-    if stands_out is None and not _as_damped_later(tries):
+    if motion.shrinks and not _as_damped_later(tries):
         return None
-    levels = ((Level.CARE, AGREE),) if len(found.modes) else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
+    levels = ((Level.CARE, AGREE),) if beside else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
         for part, one in zip(parts, tries, strict=True):
             if one is not None and _plain(one, level) and _agreeing(one, tries, level) >= others:
-                said = {"start": as_signal(part).start, "stop": last}
-                used = Used(record=part, decays=stretch.decays, used=(), notes=(Remark(Note.LARGEST_USED, said),))
-                return replace(instead_of(stretch, used), identification=one)
+                said = {"start": as_signal(part).start, "stop": motion.last}
+                notes = (Remark(Note.LARGEST_USED, said),)
+                return Used(record=part, decays=(), used=(), notes=notes, identification=one)
     return None
 
 
@@ -102,38 +136,6 @@ def _largest(signal: Signal) -> tuple[Second, Second] | None:
     calm = np.flatnonzero(moves[most:] < max(CALM_AGAIN * calmest, FADED * moves[most]))
     end = (most + int(calm[0])) * each if calm.size else signal.values.shape[1] - 1
     return signal.start + signal.step * most * each, signal.start + signal.step * end
-
-
-def _shrinking(signal: Signal) -> tuple[Second, Second] | None:
-    """Return from when to when swings shrink from the largest one on, in the channel with most of them; None if few do.
-
-    What fills a record has no calm part to stand out from, and one that bends looks like new events all the while.
-    """
-    runs = [run for samples in signal.values if (run := _shrinking_run(samples)) is not None]
-    if not runs:
-        return None
-    _, first, last = max(runs, key=lambda run: run[0])
-    return signal.start + signal.step * first, signal.start + signal.step * last
-
-
-def _shrinking_run(samples: RealArray) -> tuple[int, int, int] | None:
-    """Return how many swings shrink from the largest one on, and the first and last sample of them; None if few do."""
-    turns = turns_of(samples, AT_REST * float(np.ptp(samples)))
-    sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns)
-    if len(sizes) < SHRINKING_SWINGS:
-        return None
-    first = int(np.argmax(sizes))
-    grows = np.flatnonzero(np.diff(sizes[first:]) >= 0)
-    last = first + (int(grows[0]) if grows.size else len(sizes) - 1 - first) + 1
-    uneven = np.flatnonzero(np.abs(times[first:last] / np.median(times[first:last]) - 1) > EVEN_SWINGS)
-    # What was held, and what swings far, takes longer at first.
-    first += int(uneven[-1]) + 1 if uneven.size else 0
-    if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
-        return None
-    falls = -np.diff(np.log(sizes[first:last]))
-    if np.mean(falls[: len(falls) // 3]) < FALLS_AT_ONCE * np.mean(falls):
-        return None
-    return last - first, int(turns[first]), len(samples) - 1 if last == len(sizes) else int(turns[last])
 
 
 def _plain(found: Identification, level: Level) -> bool:

@@ -28,7 +28,7 @@ NEAR, NEAR_SURE = 0.05, 3.5
 # nonlinear.
 MOST_RESIDUAL = 4.0
 # What a pole is that is found, but is no mode: part of the motion of modes that are not linear.
-OF_MODES = frozenset({Reason.HARMONIC, Reason.COMBINATION})
+NAMED_PARTS = frozenset({Reason.HARMONIC, Reason.COMBINATION})
 
 
 def verified(
@@ -74,7 +74,7 @@ def _doubt(trial: Trial, found: Identification) -> Remark | None:
     spread = -poles.real * trial.rate_std[strong]
     reach = NEAR * np.abs(poles) + NEAR_SURE * spread
     missing, highest = list[float](), 1.0
-    named = np.array([c.pole for c in found.considered if c.remark.code in OF_MODES], complex)
+    named = np.array([c.pole for c in found.considered if c.remark.code in NAMED_PARTS], complex)
     for pole, most in zip(poles, reach, strict=True):
         apart = np.abs(found.modes.poles - pole)
         if not apart.size or np.min(apart) > most:

@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.errors import InputError, RecordError
+from suspid.levels import NORMAL_MEDIAN
 from suspid.signals import Signal
 from suspid.units import ComplexArray, RealArray
 
 if TYPE_CHECKING:
     import pywt
-
-# Median of |z| for standard normal z: the median absolute coefficient is 0.6745 standard deviations.
-NORMAL_MEDIAN = 0.6744897501960817
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

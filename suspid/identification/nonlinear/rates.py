@@ -123,11 +123,9 @@ def _factor(record: Record) -> int:
         return 1
     theta, powers = record.theta[turning].imag, np.abs(record.amplitudes[turning]) ** 2
     shares = np.max(powers / (np.max(powers, axis=0) + 1e-300), axis=1)
-    turn = max(
-        LEFT_OF_STRONGEST * float(theta[int(np.argmax(np.sum(powers, axis=1)))]),
-        LEFT_OF_POLE * float(np.max(theta[shares > LEAST_POWER])),
-    )
-    return max(1, min(int(2 * np.pi / float(turn)), record.values.shape[1] // FEWEST_LEFT))
+    strongest, fastest = theta[int(np.argmax(np.sum(powers, axis=1)))], np.max(theta[shares > LEAST_POWER])
+    spared = int(2 * np.pi / max(LEFT_OF_STRONGEST * float(strongest), LEFT_OF_POLE * float(fastest)))
+    return max(1, min(spared, int(record.values.shape[1]) // FEWEST_LEFT))
 
 
 def _with_fit(found: Bent, short: Record, factor: int) -> Bent | None:

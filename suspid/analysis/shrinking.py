@@ -1,0 +1,128 @@
+"""Swings that shrink one after the other: a motion that an eye sees to be free where nothing is calm beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.analysis.swings import AT_REST, EVEN_SWINGS, turns_of
+from suspid.levels import NORMAL_MEDIAN
+from suspid.signals import Signal
+from suspid.units import RealArray, Second
+
+# Swings that shrink one after the other, from the largest of the record on. Fewer are common in a resonance that noise
+# drives; that swells again to more than this share of the largest.
+SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
+# Half of a beat shrinks too, hardly at first and most before its node: the first third of free swings falls at this
+# share of the rate of all at least.
+FALLS_AT_ONCE = 1 / 3
+# Where a knock is larger than any swing, more of them must shrink, over this part of the record, their mean over two
+# cycles: single ones are as large as the noise lets them be.
+MANY_SHRINKING, PART_OF_RECORD, SWINGS_TOGETHER = 16, 0.5, 4
+# A swing is larger than this many standard deviations of the noise: in thousands of samples noise turns by seven.
+TURNS_ABOVE_NOISE = 8.0
+# The range of a channel without the largest and the smallest samples: those of a knock.
+WITHOUT_KNOCK = (0.02, 0.98)
+
+
+def shrinking(signal: Signal) -> tuple[Second, Second] | None:
+    """Return from when to when swings shrink from the largest one on, in the channel with most of them; None if few do.
+
+    What fills a record has no calm part to stand out from, and one that bends looks like new events all the while.
+    """
+    runs = [run for samples in signal.values if (run := _shrinking_run(samples)) is not None]
+    if not runs:
+        return None
+    _, first, last = max(runs, key=lambda run: run[0])
+    return signal.start + signal.step * first, signal.start + signal.step * last
+
+
+def _shrinking_run(samples: RealArray) -> tuple[int, int, int] | None:
+    """Return how many swings shrink from the largest one on, and the first and last sample of them; None if few do."""
+    turns = turns_of(samples, AT_REST * float(np.ptp(samples)))
+    sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns)
+    if len(sizes) < SHRINKING_SWINGS:
+        return None
+    first = int(np.argmax(sizes))
+    grows = np.flatnonzero(np.diff(sizes[first:]) >= 0)
+    last = first + (int(grows[0]) if grows.size else len(sizes) - 1 - first) + 1
+    uneven = np.flatnonzero(np.abs(times[first:last] / np.median(times[first:last]) - 1) > EVEN_SWINGS)
+    # What was held, and what swings far, takes longer at first.
+    first += int(uneven[-1]) + 1 if uneven.size else 0
+    if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
+        return None
+    falls = -np.diff(np.log(sizes[first:last]))
+    if np.mean(falls[: len(falls) // 3]) < FALLS_AT_ONCE * np.mean(falls):
+        return None
+    return last - first, int(turns[first]), len(samples) - 1 if last == len(sizes) else int(turns[last])
+
+
+def longest_shrinking(signal: Signal) -> tuple[str, Second, Second] | None:
+    """Return the channel whose swings shrink for longest, and from when to when; None if none do for long."""
+    best: tuple[str, int, int] | None = None
+    for name, samples in zip(signal.channels, signal.values, strict=True):
+        run = _long_run(samples)
+        if run is not None and (best is None or run[1] - run[0] > best[2] - best[1]):
+            best = (name, *run)
+    if best is None or best[2] - best[1] < PART_OF_RECORD * signal.values.shape[1]:
+        return None
+    return best[0], signal.start + signal.step * best[1], signal.start + signal.step * best[2]
+
+
+def _long_run(samples: RealArray) -> tuple[int, int] | None:
+    """Return the first and last sample of the longest run of swings of which two cycles are less than the two before.
+
+    None where that has few.
+    """
+    low, high = np.quantile(samples, WITHOUT_KNOCK)
+    if not high > low:
+        return None
+    turns = turns_of(samples, max(AT_REST * float(high - low), TURNS_ABOVE_NOISE * _noise(samples)))
+    if len(turns) <= MANY_SHRINKING:
+        return None
+    times = np.sort(np.diff(turns))
+    # Half of the time of all swings is that of longer ones: a knock has many short ones.
+    usual = times[int(np.searchsorted(np.cumsum(times), times.sum() / 2))]
+    together = np.ones(SWINGS_TOGETHER) / SWINGS_TOGETHER
+    swings = np.abs(np.diff(samples[turns]))
+    sizes, lasting = (np.convolve(each, together, "valid") for each in (swings, np.diff(turns)))
+    even = np.abs(lasting / usual - 1) < EVEN_SWINGS
+    falls = (sizes[SWINGS_TOGETHER:] < sizes[:-SWINGS_TOGETHER]) & even[SWINGS_TOGETHER:] & even[:-SWINGS_TOGETHER]
+    first, last = _longest_true(falls)
+    # Swings, the last of which are compared with those before.
+    last += 2 * SWINGS_TOGETHER - 1
+    if last - first < MANY_SHRINKING:
+        return None
+    logs = -np.diff(np.log(sizes[first : last - SWINGS_TOGETHER + 1]))
+    if np.mean(logs[: len(logs) // 3]) < FALLS_AT_ONCE * np.mean(logs):
+        return None
+    return int(turns[first]), int(turns[last])
+
+
+def _noise(samples: RealArray) -> float:
+    """Return the standard deviation of white noise in samples whose motion is slow beside it.
+
+    From the median of second differences, of which noise has sqrt(6) times its standard deviation.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(5000) / 100, 0.1 * np.random.default_rng(1).standard_normal(5000)
+    >>> round(_noise(np.sin(3 * t) + noise), 2)
+    0.1
+    """
+    return float(np.median(np.abs(np.diff(samples, 2))) / (NORMAL_MEDIAN * np.sqrt(6)))
+
+
+def _longest_true(which: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return where the longest run of true values begins, and where it has ended.
+
+    Examples
+    --------
+    >>> _longest_true(np.array([True, False, True, True, False]))
+    (2, 4)
+    """
+    edges = np.flatnonzero(np.diff(which.astype(int), prepend=0, append=0))
+    if not edges.size:
+        return 0, 0
+    longest = 2 * int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[longest]), int(edges[longest + 1])
