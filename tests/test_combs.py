@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from suspid import identify
-from suspid.identification.combs import shared_frequency
+from suspid.identification.combs import repeated_in, shared_frequency
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
 
@@ -84,6 +84,13 @@ def test_pulses_that_fall_are_doubted_as_modes(seed: int) -> None:
     check = next(check for check in found.verdict.checks if check.remark.code is ModeCheck.PULSE_TRAIN)
     assert check.level is Level.DOUBTFUL
     assert check.remark.numbers["seconds"] == pytest.approx(0.006, rel=0.01)
+
+
+def test_harmonics_of_one_mode_are_no_train_of_pulses() -> None:
+    """A spring with clearance makes harmonics that decay as the mode does: they are weak, and none is a mode."""
+    poles = -1.0 + 100j * np.arange(1, 8)
+    assert repeated_in(poles[:1], poles[1:], 5.0) is None
+    assert repeated_in(poles[:2], poles[2:], 5.0) == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize("seed", range(3))

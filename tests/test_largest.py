@@ -83,16 +83,18 @@ class TestOfLargest:
         assert of_largest(whole.record, part, found, Settings()) is None
 
     def test_a_swing_of_many_is_no_result_where_all_of_them_are(self) -> None:
-        """The swing is as large as any other: the record does not move more elsewhere."""
-        lasting = np.where(self.t > 5, np.exp(-0.02 * np.maximum(self.t - 5, 0)) * np.sin(12 * (self.t - 5)), 0.0)
+        """Two modes beat: the swing is as large as any other, and the record does not move more elsewhere."""
+        since = np.maximum(self.t - 5, 0)
+        lasting = np.exp(-0.02 * since) * (np.sin(12 * since) + 0.9 * np.sin(13.1 * since))
         whole, _ = self.stretch(1.0, lasting + self.noise)
-        part, found = cut(whole.record, start=20.3, stop=21.0), identify(cut(whole.record, start=5.3, stop=6.0))
+        part, found = cut(whole.record, start=20.3, stop=20.8), identify(cut(whole.record, start=5.3, stop=6.0))
         assert len(found.modes)
         assert found.verdict.level is Level.DOUBTFUL
         used = of_largest(whole.record, Used(record=part, decays=(), used=(), notes=()), found, Settings())
         assert used is not None
         assert used.identification is not None
-        assert used.identification.modes.zeta == pytest.approx([0.02 / 12], rel=0.05)
+        assert used.identification.modes.wn == pytest.approx([12, 13.1], rel=1e-3)
+        assert used.identification.modes.zeta == pytest.approx([0.02 / 12, 0.02 / 13.1], rel=0.05)
 
     @pytest.mark.parametrize("settings", [Settings(start=1.0), Settings(modes=1), Settings(decay="whole")])
     def test_what_the_settings_choose_stays(self, settings: Settings) -> None:
@@ -270,6 +272,14 @@ class TestLongestShrinking:
         assert name == "b"
         assert first == pytest.approx(7.0, abs=2.5)
         assert 58 < last < 62
+
+    @pytest.mark.parametrize("size", [0.01, 0.04])
+    def test_in_noise_that_makes_single_swings_larger(self, size: float) -> None:
+        """3 Hz, which falls by 1.3 % in a cycle."""
+        fast = np.exp(-0.04 * self.t) * np.sin(2 * np.pi * 3 * self.t)
+        run = self.found(fast + self.noise(7, size))
+        assert run is not None
+        assert run[2] - run[1] > 45
 
     def test_swings_that_noise_drives_are_none(self) -> None:
         """A resonance of 1.5 Hz and zeta .02 in white noise: in a minute its swings shrink for seven seconds."""

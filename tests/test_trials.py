@@ -279,7 +279,7 @@ class TestStart:
     def test_a_harmonic_that_was_named_is_not_missing(self) -> None:
         """Twice the frequency of a strong mode, twice its rate: it is found, as a part of that mode."""
         powers = np.exp(np.outer([-0.004 + 0.2j, -0.008 + 0.4j], np.arange(700)))
-        values = (np.array([[1.0, 0.3], [0.8, 0.24]]) @ powers).real + 1e-4 * noise(4, 700)
+        values = (np.array([[1.0, 0.45], [0.8, 0.36]]) @ powers).real + 1e-4 * noise(4, 700)
         found = trial(values, size=2)
         assert len(found.modes) == 2
         assert len(identify(as_response(np.arange(700) / 100, values, ["a", "b"])).modes) == 1

@@ -92,8 +92,8 @@ def _motions(record: control.TimeResponseData, *, largest: bool) -> Iterator[_Mo
     if span is not None:
         yield _Motion(record=record, first=span[0], last=span[1], shrinks=stands_out is None)
     run = longest_shrinking(signal)
-    # The same swings were tried.
-    known = span is not None and stands_out is None and len(signal.channels) == 1
+    # Of one channel, the same swings were tried, or more.
+    known = run is not None and span is not None and len(signal.channels) == 1 and span[0] <= run[1] < run[2] <= span[1]
     if run is not None and not known:
         channel, first, last = run
         yield _Motion(record=of_channels(record, [channel]), first=first, last=last, shrinks=True)

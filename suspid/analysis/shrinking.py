@@ -16,9 +16,9 @@ SHRINKING_SWINGS, SWELLS_AGAIN = 8, 0.5
 # Half of a beat shrinks too, hardly at first and most before its node: the first third of free swings falls at this
 # share of the rate of all at least.
 FALLS_AT_ONCE = 1 / 3
-# Where a knock is larger than any swing, more of them must shrink, over this part of the record, their mean over two
-# cycles: single ones are as large as the noise lets them be.
-MANY_SHRINKING, PART_OF_RECORD, SWINGS_TOGETHER = 16, 0.5, 4
+# Where a knock is larger than any swing, more of them must shrink, over this part of the record, their means over two
+# cycles at least and over this share of all swings: single ones are as large as the noise lets them be.
+MANY_SHRINKING, PART_OF_RECORD, SWINGS_TOGETHER, SHARE_TOGETHER = 16, 0.5, 4, 1 / 16
 # A swing is larger than this many standard deviations of the noise: in thousands of samples noise turns by seven.
 TURNS_ABOVE_NOISE = 8.0
 # The range of a channel without the largest and the smallest samples: those of a knock.
@@ -70,7 +70,7 @@ def longest_shrinking(signal: Signal) -> tuple[str, Second, Second] | None:
 
 
 def _long_run(samples: RealArray) -> tuple[int, int] | None:
-    """Return the first and last sample of the longest run of swings of which two cycles are less than the two before.
+    """Return the first and last sample of the longest run of swings of which some cycles are less than those before.
 
     None where that has few.
     """
@@ -83,17 +83,17 @@ def _long_run(samples: RealArray) -> tuple[int, int] | None:
     times = np.sort(np.diff(turns))
     # Half of the time of all swings is that of longer ones: a knock has many short ones.
     usual = times[int(np.searchsorted(np.cumsum(times), times.sum() / 2))]
-    together = np.ones(SWINGS_TOGETHER) / SWINGS_TOGETHER
     swings = np.abs(np.diff(samples[turns]))
-    sizes, lasting = (np.convolve(each, together, "valid") for each in (swings, np.diff(turns)))
+    count = max(SWINGS_TOGETHER, int(SHARE_TOGETHER * len(swings)))
+    sizes, lasting = (np.convolve(each, np.full(count, 1 / count), "valid") for each in (swings, np.diff(turns)))
     even = np.abs(lasting / usual - 1) < EVEN_SWINGS
-    falls = (sizes[SWINGS_TOGETHER:] < sizes[:-SWINGS_TOGETHER]) & even[SWINGS_TOGETHER:] & even[:-SWINGS_TOGETHER]
+    falls = (sizes[count:] < sizes[:-count]) & even[count:] & even[:-count]
     first, last = _longest_true(falls)
     # Swings, the last of which are compared with those before.
-    last += 2 * SWINGS_TOGETHER - 1
-    if last - first < MANY_SHRINKING:
+    last += 2 * count - 1
+    if last - first < max(MANY_SHRINKING, 3 * count):
         return None
-    logs = -np.diff(np.log(sizes[first : last - SWINGS_TOGETHER + 1]))
+    logs = -np.diff(np.log(sizes[first : last - count + 1]))
     if np.mean(logs[: len(logs) // 3]) < FALLS_AT_ONCE * np.mean(logs):
         return None
     return int(turns[first]), int(turns[last])
