@@ -391,7 +391,7 @@ class TestNoMode:
         """A chime that fades, of which other parts of the fit have the decay: its strongest pole does not."""
         signal = as_signal(noise.response)
         falls = 1.0 - 0.7 * (signal.timepts - signal.timepts[0]) / signal.duration
-        hum = as_response(signal.timepts, signal.values + 3.0 * falls * np.cos(60.0 * signal.timepts), ["y"])
+        hum = as_response(signal.timepts, signal.values + 1.5 * falls * np.cos(60.0 * signal.timepts), ["y"])
         line = Considered(pole=60.0j, remark=Remark(Reason.NOT_NEEDED), removed=False)
         assert not said(verdict_of(replace(noise, response=hum, considered=(line,))), ModeCheck.STEADY_LINE)
 
