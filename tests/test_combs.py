@@ -88,7 +88,7 @@ def test_pulses_that_fall_are_doubted_as_modes(seed: int) -> None:
 
 def test_harmonics_of_one_mode_are_no_train_of_pulses() -> None:
     """A spring with clearance makes harmonics that decay as the mode does: they are weak, and none is a mode."""
-    poles = -1.0 + 100j * np.arange(1, 8)
+    poles = np.asarray(-1.0 + 100j * np.arange(1, 8), np.complex128)
     assert repeated_in(poles[:1], poles[1:], 5.0) is None
     assert repeated_in(poles[:2], poles[2:], 5.0) == pytest.approx(100.0)
 
