@@ -103,7 +103,7 @@ class TestVerdictsBesideModes:
             (-4.5 / COUNT, None),
             ((-3.0 + 4.7j) / COUNT, Reason.UNDER_A_CYCLE),
             ((-3.0 + 8.0j) / COUNT, None),
-            (-0.01 + 0.99j * np.pi, Reason.OUTSIDE_THE_BAND),
+            (-0.01 + 0.99j * np.pi, Reason.NEAR_NYQUIST),
             (-0.01 + 0.96j * np.pi, None),
             (-0.4 + 0.9j, None),
             (-0.6 + 0.9j, Reason.A_FEW_SAMPLES),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from suspid.analysis.late_falls import falls_late
 from suspid.analysis.settings import Settings
 from suspid.decays import (
     DRIVEN,
@@ -141,8 +142,9 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     these are few says nothing of an identification, which takes all. What it leaves is explained where a fit with
     forces leaves hardly anything. Of a whole record, only real poles beside steady tones are doubted.
     """
+    late = (Check(Remark(RecordCheck.FALLS_LATE), Level.DOUBTFUL),) if falls_late(found) else ()
     if len(used) != 1:
-        return () if used else _beside_tones(found)
+        return late if used else (*_beside_tones(found), *late)
     decay = used[0]
     # A background that excites the mode bends a decay as forces do, and of many stretches some look so by chance.
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
@@ -158,7 +160,7 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
         for doubt in decay.doubts
         if doubt.code not in answered
     )
-    return (*own, *_never_swings(decay, found), *_not_repeated(decay, found, decays))
+    return (*own, *late, *_never_swings(decay, found), *_not_repeated(decay, found, decays))
 
 
 def _cycles(found: Identification) -> float:

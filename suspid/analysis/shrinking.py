@@ -77,7 +77,7 @@ def _long_run(samples: RealArray) -> tuple[int, int] | None:
     low, high = np.quantile(samples, WITHOUT_KNOCK)
     if not high > low:
         return None
-    turns = turns_of(samples, max(AT_REST * float(high - low), TURNS_ABOVE_NOISE * _noise(samples)))
+    turns = turns_of(samples, max(AT_REST * float(high - low), TURNS_ABOVE_NOISE * noise_of_samples(samples)))
     if len(turns) <= MANY_SHRINKING:
         return None
     times = np.sort(np.diff(turns))
@@ -99,7 +99,7 @@ def _long_run(samples: RealArray) -> tuple[int, int] | None:
     return int(turns[first]), int(turns[last])
 
 
-def _noise(samples: RealArray) -> float:
+def noise_of_samples(samples: RealArray) -> float:
     """Return the standard deviation of white noise in samples whose motion is slow beside it.
 
     From the median of second differences, of which noise has sqrt(6) times its standard deviation.
@@ -107,7 +107,7 @@ def _noise(samples: RealArray) -> float:
     Examples
     --------
     >>> t, noise = np.arange(5000) / 100, 0.1 * np.random.default_rng(1).standard_normal(5000)
-    >>> round(_noise(np.sin(3 * t) + noise), 2)
+    >>> round(noise_of_samples(np.sin(3 * t) + noise), 2)
     0.1
     """
     return float(np.median(np.abs(np.diff(samples, 2))) / (NORMAL_MEDIAN * np.sqrt(6)))

@@ -199,6 +199,11 @@ class RecordCheck(Code):
         "Nothing swings in the stretch that is used, and no hold or step before it was seen: the end of a pulse looks "
         "the same.",
     )
+    FALLS_LATE = (
+        "falls late",
+        "The swings fall more later on than at first, or grow again, as dampers and friction do not let them: what "
+        "drives the motion may still act, or two close modes beat.",
+    )
     LARGEST_USED = (
         "largest used",
         "No stretch is a free decay beyond doubt. The largest motion is used, which shows the same modes from several "
