@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from suspid.analysis.late_falls import falls_late
+from suspid.analysis.free_swings import doubts_of_swings
 from suspid.analysis.settings import Settings
 from suspid.decays import (
     DRIVEN,
@@ -142,7 +142,7 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     these are few says nothing of an identification, which takes all. What it leaves is explained where a fit with
     forces leaves hardly anything. Of a whole record, only real poles beside steady tones are doubted.
     """
-    late = (Check(Remark(RecordCheck.FALLS_LATE), Level.DOUBTFUL),) if falls_late(found) else ()
+    late = tuple(doubts_of_swings(found))
     if len(used) != 1:
         return late if used else (*_beside_tones(found), *late)
     decay = used[0]

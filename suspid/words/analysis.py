@@ -204,6 +204,11 @@ class RecordCheck(Code):
         "The swings fall more later on than at first, or grow again, as dampers and friction do not let them: what "
         "drives the motion may still act, or two close modes beat.",
     )
+    RUNS_DOWN = (
+        "runs down",
+        "The swings take longer and longer until the end, not only where they are large: a machine that runs down does "
+        "so, and what has play.",
+    )
     LARGEST_USED = (
         "largest used",
         "No stretch is a free decay beyond doubt. The largest motion is used, which shows the same modes from several "

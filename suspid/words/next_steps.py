@@ -161,6 +161,7 @@ AFTER: dict[Code, NextStep] = {
     RecordCheck.NEVER_SWINGS: NextStep.WHICH_PART,
     RecordCheck.LARGEST_USED: NextStep.WHICH_PART,
     RecordCheck.FALLS_LATE: NextStep.WHICH_PART,
+    RecordCheck.RUNS_DOWN: NextStep.WHICH_PART,
     ModeCheck.FEW_CYCLES: NextStep.RECORD_LONGER,
     ModeCheck.FEW_SAMPLES: NextStep.RECORD_LONGER,
     ModeCheck.NOT_CROSS_CHECKED: NextStep.RECORD_LONGER,
