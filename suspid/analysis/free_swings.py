@@ -86,4 +86,4 @@ def _runs_down(sizes: RealArray, times: RealArray) -> bool:
         return False
     first, middle, last = np.diff(np.log(_at_thirds(times))).tolist()
     grows = min(first, middle, last) > 0 and first + middle + last > MUCH_SLOWER
-    return grows and last > AS_MUCH_LATER * first
+    return bool(grows and last > AS_MUCH_LATER * first)
