@@ -90,3 +90,14 @@ def test_a_rotor_that_coasts_is_doubted(tmp_path: Path) -> None:
     values = coasts + 0.003 * np.random.default_rng(1).standard_normal(t.size)
     np.savetxt(path, np.column_stack([t, values]), fmt="%.5f", delimiter=",", header="t [s],a [m/s2]", comments="")
     assert analyse(path).verdict.level <= Level.DOUBTFUL
+
+
+def test_one_that_is_caught_at_last_is_free() -> None:
+    """A hand stops the last of fifteen swings halfway, and brings it back a little."""
+    motion = np.exp(-0.11 * T) * np.cos(2 * np.pi * 1.3 * T)
+    turn = round(14 / 2.6 * 100)
+    caught = motion[turn] * (1 - np.interp(np.arange(60), [0, 25, 40, 60], [0.0, 0.6, 0.4, 0.4]))
+    swings = np.concatenate([motion[:turn], caught])
+    sizes, _ = _swings(swings)
+    assert len(sizes) > 9
+    assert not _falls_late(sizes)

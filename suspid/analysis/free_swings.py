@@ -52,11 +52,14 @@ def doubts_of_swings(found: Identification) -> Iterator[Check]:
 
 
 def _swings(samples: RealArray) -> tuple[RealArray, RealArray]:
-    """Return the sizes of swings, from the largest on, and their times [sample], (swing,)."""
+    """Return the sizes of swings, from the largest on, and their times [sample], (swing,).
+
+    Without the last, which a hand may have caught, or the end of a record cut.
+    """
     turns = turns_of(samples, max(AT_REST * float(np.ptp(samples)), TURNS_ABOVE_NOISE * noise_of_samples(samples)))
     sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns).astype(float)
     first = int(np.argmax(sizes)) if sizes.size else 0
-    return sizes[first:], times[first:]
+    return sizes[first:-1], times[first:-1]
 
 
 def _at_thirds(each: RealArray) -> RealArray:
