@@ -81,8 +81,8 @@ class TestFactor:
 
     def test_a_weak_line_does_not_count(self) -> None:
         both = np.array([-1e-4 + 2j * np.pi / 905, -1e-4 + 2j * np.pi / 12])
-        assert _factor(record(self.values, both, (1.0, 0.3))) == 1
-        assert _factor(record(self.values, both, (1.0, 0.01))) == 30
+        assert _factor(record(self.values, both, (1.0, 0.005))) == 1
+        assert _factor(record(self.values, both, (1.0, 0.0005))) == 30
 
     def test_few_samples_and_what_never_turns_are_left_as_they_are(self) -> None:
         alone = np.array([-1e-4 + 2j * np.pi / 905])

@@ -22,8 +22,9 @@ from suspid.units import RealArray
 # Samples that are left in each cycle of the strongest pole of a linear fit, and of its fastest, which may be a multiple
 # that forces make. More cost time; in fewer, forces are not told apart.
 LEFT_OF_STRONGEST, LEFT_OF_POLE = 30.0, 10.0
-# A pole counts whose power is at least this share of the largest in a channel: weaker ones are lines of the noise.
-LEAST_POWER = 1e-3
+# A pole counts whose power is at least this share of the largest in a channel: a mode may have a hundredth of the
+# amplitude of another, and weaker lines are those of the noise.
+LEAST_POWER = 1e-6
 # Samples that are left at least: in fewer, many forces explain anything.
 FEWEST_LEFT = 300
 
