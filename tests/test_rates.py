@@ -73,16 +73,16 @@ class TestFullRate:
 class TestFactor:
     values = np.zeros((2, 100_000))
 
-    def test_thirty_are_left_of_the_strongest_and_ten_of_the_fastest(self) -> None:
+    def test_sixty_are_left_of_the_strongest_and_ten_of_the_fastest(self) -> None:
         alone = np.array([-1e-4 + 2j * np.pi / 905])
-        assert _factor(record(self.values, alone, (1.0,))) == 30
+        assert _factor(record(self.values, alone, (1.0,))) == 15
         both = np.array([-1e-4 + 2j * np.pi / 905, -1e-4 + 2j * np.pi / 121])
         assert _factor(record(self.values, both)) == 12
 
     def test_a_weak_line_does_not_count(self) -> None:
         both = np.array([-1e-4 + 2j * np.pi / 905, -1e-4 + 2j * np.pi / 12])
         assert _factor(record(self.values, both, (1.0, 0.005))) == 1
-        assert _factor(record(self.values, both, (1.0, 0.0005))) == 30
+        assert _factor(record(self.values, both, (1.0, 0.0005))) == 15
 
     def test_few_samples_and_what_never_turns_are_left_as_they_are(self) -> None:
         alone = np.array([-1e-4 + 2j * np.pi / 905])

@@ -20,8 +20,8 @@ from suspid.signals import block_means
 from suspid.units import RealArray
 
 # Samples that are left in each cycle of the strongest pole of a linear fit, and of its fastest, which may be a multiple
-# that forces make. More cost time; in fewer, forces are not told apart.
-LEFT_OF_STRONGEST, LEFT_OF_POLE = 30.0, 10.0
+# that forces make. More cost time; in fewer, forces are not told apart, nor a second mode that they hide.
+LEFT_OF_STRONGEST, LEFT_OF_POLE = 60.0, 10.0
 # A pole counts whose power is at least this share of the largest in a channel: a mode may have a hundredth of the
 # amplitude of another, and weaker lines are those of the noise.
 LEAST_POWER = 1e-6
