@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.levels import NORMAL_MEDIAN
 from suspid.units import RealArray, Second
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, frozen_real
 from suspid.wording import Argument
@@ -195,6 +196,21 @@ def block_means(values: RealArray, size: int) -> RealArray:
         return values
     blocks = values.shape[1] // size
     return np.asarray(values[:, : blocks * size].reshape(len(values), blocks, size).mean(axis=2))
+
+
+def roughness(values: RealArray) -> float:
+    """Return the standard deviation of what changes from sample to sample, by the median of second differences.
+
+    Of white noise beside a slow motion it is that of the noise: second differences have sqrt(6) times as much.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(5000) / 100, 0.1 * np.random.default_rng(1).standard_normal(5000)
+    >>> round(roughness(np.sin(3 * t) + noise), 2)
+    0.1
+    """
+    bends = np.diff(values, 2)
+    return float(np.median(np.abs(bends - np.median(bends))) / (NORMAL_MEDIAN * np.sqrt(6)))
 
 
 def uniform_step(timepts: RealArray) -> Second:

@@ -8,12 +8,13 @@ import pytest
 
 from suspid import Identification, analyse, identify
 from suspid.analysis.choice import explained_by_forces
-from suspid.analysis.longer import _shows_more, shared_modes
+from suspid.analysis.longer import _from, _shows_more, shared_modes
+from suspid.decays import find_decays
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear import choice, motion, search, structure
 from suspid.identification.nonlinear.feedback import Record
 from suspid.records import as_response
-from suspid.words import Reason
+from suspid.words import DecayDoubt, Reason, Remark
 from validation import rigs
 
 
@@ -139,3 +140,15 @@ def test_forces_explain_what_is_longer_than_a_stretch_with_a_trace() -> None:
     assert _shows_more(longer, found) is explained_by_forces(longer) is True
     alone = replace(found, considered=())
     assert not _shows_more(longer, alone)
+
+
+def test_a_start_that_is_earlier_has_not_the_few_cycles_of_the_end() -> None:
+    """What was said of the fit to the end stays."""
+    t = np.arange(1000) / 100
+    few = (DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES)
+    doubts = tuple(Remark(code, {"cycles": 1.0, "hertz": 2.0, "samples": 9, "modes": 2}) for code in few)
+    (end, *_) = find_decays(as_response(t, np.where(t > 3, np.exp(3 - t) * np.sin(20 * (t - 3)), 0.0)[None], ["seat"]))
+    end = replace(end, doubts=(*doubts, Remark(DecayDoubt.NONLINEAR, {"share": 0.1})))
+    longer = _from(end, end.start - 1)
+    assert longer.start == end.start - 1
+    assert [doubt.code for doubt in longer.doubts] == [DecayDoubt.NONLINEAR]

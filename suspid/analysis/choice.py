@@ -140,7 +140,8 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
 
     What an identification down to the noise refutes calls for care. A quick fit takes means of several samples. That
     these are few says nothing of an identification, which takes all. What it leaves is explained where a fit with
-    forces leaves hardly anything. Of a whole record, only real poles beside steady tones are doubted.
+    forces leaves hardly anything. Of a whole record, only real poles beside steady tones are doubted, and swings that
+    no free motion makes.
     """
     late = tuple(doubts_of_swings(found))
     if len(used) != 1:

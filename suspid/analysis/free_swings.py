@@ -6,17 +6,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from suspid.analysis.shrinking import TURNS_ABOVE_NOISE, noise_of_samples
-from suspid.analysis.swings import AT_REST, turns_of
+from suspid.analysis.swings import turns_above_noise
 from suspid.identification import Identification
 from suspid.samples import held
-from suspid.signals import as_signal
+from suspid.signals import as_signal, block_means
 from suspid.units import RealArray
 from suspid.words import Check, Level, RecordCheck, Remark
 
 # Swings that are needed, from the largest on, and the largest share of it that the last may have: where less is seen to
 # fall, drifts decide.
 FEWEST_SWINGS, MUCH_LEFT = 9, 0.5
+# Samples that are left in a cycle, in means: more only cost time, a second for a million.
+CYCLE_LEFT = 60.0
 # How much more the swings may fall in the middle or in the last third of them than in the first: friction lets them
 # fall alike, and by a third more where it grows as a mass slows down. How much larger than before they may be.
 FALLS_LATER, GROWS_AGAIN = 1.6, 1.5
@@ -43,8 +44,10 @@ def doubts_of_swings(found: Identification) -> Iterator[Check]:
     """
     if len(found.modes) != 1 or not found.modes.poles[0].imag:
         return
-    values = as_signal(held(found, "response")).values
-    sizes, times = _swings(values[int(np.argmax(found.explained))])
+    signal = as_signal(held(found, "response"))
+    clearest = signal.values[[int(np.argmax(found.explained))]]
+    spared = max(1, int(2 * np.pi / (CYCLE_LEFT * float(found.modes.wn[0]) * signal.step)))
+    sizes, times = _swings(block_means(clearest, spared)[0])
     if _falls_late(sizes):
         yield Check(Remark(RecordCheck.FALLS_LATE), Level.DOUBTFUL)
     elif _runs_down(sizes, times):
@@ -56,7 +59,7 @@ def _swings(samples: RealArray) -> tuple[RealArray, RealArray]:
 
     Without the last, which a hand may have caught, or the end of a record cut.
     """
-    turns = turns_of(samples, max(AT_REST * float(np.ptp(samples)), TURNS_ABOVE_NOISE * noise_of_samples(samples)))
+    turns = turns_above_noise(samples, float(np.ptp(samples)))
     sizes, times = np.abs(np.diff(samples[turns])), np.diff(turns).astype(float)
     first = int(np.argmax(sizes)) if sizes.size else 0
     return sizes[first:-1], times[first:-1]

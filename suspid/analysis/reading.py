@@ -77,16 +77,16 @@ def _opened(source: str | os.PathLike[str], settings: Settings) -> Recording:
 def _plainly_named(recording: Recording) -> Recording:
     """Return the channels of one test with the part of their names that names it, in front or behind, left out."""
     title = recording.channels[0].test
-    names = [
-        channel.name.removesuffix(title).rstrip(".:/|_ ") or channel.name.partition(title)[2].lstrip(".:/| ")
-        if channel.name.endswith(title)
-        else channel.name[channel.name.find(title) + len(title) :].lstrip(".:/| ")
-        if title in channel.name
-        else channel.name
-        for channel in recording.channels
-    ]
-    channels = (replace(channel, name=name, test="") for name, channel in zip(names, recording.channels, strict=True))
+    channels = (replace(channel, name=_without_title(channel.name, title), test="") for channel in recording.channels)
     return replace(recording, title=title, channels=tuple(channels))
+
+
+def _without_title(name: str, title: str) -> str:
+    """Return a name without that of its test behind it, or all up to that."""
+    before = name.removesuffix(title).rstrip(".:/|_ ")
+    if name.endswith(title) and before:
+        return before
+    return name.partition(title)[2].lstrip(".:/| ") if title in name else name
 
 
 def channel_named(name: str, channels: Sequence[str]) -> str:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.swings import AT_REST, EVEN_SWINGS, turns_of
-from suspid.levels import NORMAL_MEDIAN
+from suspid.analysis.swings import AT_REST, EVEN_SWINGS, turns_above_noise, turns_of
 from suspid.signals import Signal
 from suspid.units import RealArray, Second
 
@@ -19,8 +18,6 @@ FALLS_AT_ONCE = 1 / 3
 # Where a knock is larger than any swing, more of them must shrink, over this part of the record, their means over two
 # cycles at least and over this share of all swings: single ones are as large as the noise lets them be.
 MANY_SHRINKING, PART_OF_RECORD, SWINGS_TOGETHER, SHARE_TOGETHER = 16, 0.5, 4, 1 / 16
-# A swing is larger than this many standard deviations of the noise: in thousands of samples noise turns by seven.
-TURNS_ABOVE_NOISE = 8.0
 # The range of a channel without the largest and the smallest samples: those of a knock.
 WITHOUT_KNOCK = (0.02, 0.98)
 
@@ -51,8 +48,7 @@ def _shrinking_run(samples: RealArray) -> tuple[int, int, int] | None:
     first += int(uneven[-1]) + 1 if uneven.size else 0
     if last - first < SHRINKING_SWINGS or np.any(sizes[last:] > SWELLS_AGAIN * sizes[first]):
         return None
-    falls = -np.diff(np.log(sizes[first:last]))
-    if np.mean(falls[: len(falls) // 3]) < FALLS_AT_ONCE * np.mean(falls):
+    if not _falls_at_once(sizes[first:last]):
         return None
     return last - first, int(turns[first]), len(samples) - 1 if last == len(sizes) else int(turns[last])
 
@@ -77,7 +73,7 @@ def _long_run(samples: RealArray) -> tuple[int, int] | None:
     low, high = np.quantile(samples, WITHOUT_KNOCK)
     if not high > low:
         return None
-    turns = turns_of(samples, max(AT_REST * float(high - low), TURNS_ABOVE_NOISE * noise_of_samples(samples)))
+    turns = turns_above_noise(samples, float(high - low))
     if len(turns) <= MANY_SHRINKING:
         return None
     times = np.sort(np.diff(turns))
@@ -93,24 +89,15 @@ def _long_run(samples: RealArray) -> tuple[int, int] | None:
     last += 2 * count - 1
     if last - first < max(MANY_SHRINKING, 3 * count):
         return None
-    logs = -np.diff(np.log(sizes[first : last - count + 1]))
-    if np.mean(logs[: len(logs) // 3]) < FALLS_AT_ONCE * np.mean(logs):
+    if not _falls_at_once(sizes[first : last - count + 1]):
         return None
     return int(turns[first]), int(turns[last])
 
 
-def noise_of_samples(samples: RealArray) -> float:
-    """Return the standard deviation of white noise in samples whose motion is slow beside it.
-
-    From the median of second differences, of which noise has sqrt(6) times its standard deviation.
-
-    Examples
-    --------
-    >>> t, noise = np.arange(5000) / 100, 0.1 * np.random.default_rng(1).standard_normal(5000)
-    >>> round(noise_of_samples(np.sin(3 * t) + noise), 2)
-    0.1
-    """
-    return float(np.median(np.abs(np.diff(samples, 2))) / (NORMAL_MEDIAN * np.sqrt(6)))
+def _falls_at_once(sizes: RealArray) -> bool:
+    """Return whether swings fall in their first third as they do in all, and not as half of a beat."""
+    falls = -np.diff(np.log(sizes))
+    return bool(np.mean(falls[: len(falls) // 3]) >= FALLS_AT_ONCE * np.mean(falls))
 
 
 def _longest_true(which: NDArray[np.bool_]) -> tuple[int, int]:

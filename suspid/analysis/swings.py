@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.model import ModalSet
-from suspid.signals import as_signal
+from suspid.signals import as_signal, roughness
 from suspid.units import RealArray, Second
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ LEAST_SWINGS = 5
 EVEN_SWINGS = 0.15
 # A mode makes swings if it takes their time to this share.
 SAME_TIME = 0.1
+# A swing is larger than this many standard deviations of the noise: in thousands of samples noise turns by seven.
+TURNS_ABOVE_NOISE = 8.0
 
 
 def shown_by_swings(record: control.TimeResponseData, modes: ModalSet) -> NDArray[np.bool_]:
@@ -68,6 +70,19 @@ def _time_of_swings(samples: RealArray, step: Second) -> Second | None:
     before, after = samples[: max(2, int(2 * usual * RESTS_BEFORE))], samples[-max(2, int(2 * usual * RESTS_AFTER)) :]
     rests = all(np.ptp(part) < least for part in (before, after))
     return usual * step if rests else None
+
+
+def turns_above_noise(samples: RealArray, size: float) -> NDArray[np.intp]:
+    """Return where samples turn back by a share of a size, and by more than noise does.
+
+    Examples
+    --------
+    >>> t = np.arange(3000) / 1000
+    >>> noisy = np.sin(2 * np.pi * t) + 0.05 * np.random.default_rng(1).standard_normal(3000)
+    >>> len(turns_of(noisy, AT_REST * 2.0)), len(turns_above_noise(noisy, 2.0))
+    (649, 6)
+    """
+    return turns_of(samples, max(AT_REST * size, TURNS_ABOVE_NOISE * roughness(samples)))
 
 
 def turns_of(samples: RealArray, least: float) -> NDArray[np.intp]:

@@ -10,6 +10,7 @@ from suspid.cleaning.gaps import runs
 from suspid.cleaning.sentinels import possible, without_sentinels
 from suspid.levels import UNLIKELY
 from suspid.recordings import RawChannel
+from suspid.signals import roughness
 from suspid.units import Flags, RealArray, Second
 
 # A rail: values within this share of the range of the channel from its end, for electronics that add noise to it.
@@ -122,7 +123,7 @@ def on_rail(values: RealArray) -> Flags:
         return found
     steps = np.abs(np.diff(finite))
     quantum = float(np.min(steps[steps > 0]))
-    noise = THROWN * _roughness(finite)
+    noise = THROWN * roughness(finite) if finite.size > CLIPPED else 0.0
     for depth in (float(np.max(finite)) - values, values - float(np.min(finite))):
         near: NDArray[np.bool_] = depth <= RAIL * reach  # False where missing
         first, after = runs(near)
@@ -154,10 +155,3 @@ def _held_values(values: RealArray) -> NDArray[np.intp]:
     since = every - np.repeat(begins, lasts)
     left = np.repeat(begins + lasts, lasts) - every
     return np.flatnonzero((since % usual == 0) & ((since == 0) | (left > usual // 2)))
-
-
-def _roughness(values: RealArray) -> float:
-    """Return the standard deviation of what changes from sample to sample, by the median of second differences."""
-    from scipy.stats import median_abs_deviation
-
-    return float(median_abs_deviation(np.diff(values, 2), scale="normal")) / 6**0.5 if values.size > CLIPPED else 0.0
