@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 
 import numpy as np
 
@@ -55,6 +56,8 @@ UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
 # Characters of a name or of a line that patterns are tried on, whose time grows with their square. Longer ones are no
 # names that a program wrote.
 LONGEST_READ = 200
+# Names whose parts are kept: each is asked for its time and unit a dozen times.
+NAMES_KEPT = 512
 # A name and, in brackets behind it, its unit; a number there counts columns.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 
@@ -147,6 +150,7 @@ def unit_in_name(name: str) -> str:
     return bracketed_unit(name) or (found[1] if found else "")
 
 
+@lru_cache(maxsize=NAMES_KEPT)
 def split_unit(name: str) -> tuple[str, str]:
     """Return the bare name in lower case and the unit that follows it, if any.
 
@@ -196,6 +200,7 @@ def is_frequency(name: str) -> bool:
     return stem in FREQUENCIES | {"f"} if unit == "hz" else stem in FREQUENCIES and not unit
 
 
+@lru_cache(maxsize=NAMES_KEPT)
 def may_be_time(name: str) -> bool:
     """Whether a word for time is part of a name.
 

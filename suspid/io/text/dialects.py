@@ -26,7 +26,8 @@ NUMERIC = re.compile("[+-]?[\\d.,][\\d.,;\t '\u2019\xa0\u2009\u202f+\\-eE]*")
 # Shapes of numbers and delimiters, and what may be a date among them.
 NUMBER_ROW, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
 # The exponent that ends a number with a decimal point; behind a whole number, a comma may be its decimal sign.
-TENS = re.compile(r"(?<=\.)(1*)[eE][+-]?1+(?=[,;\t |]|$)")
+TENS, RUN = re.compile(r"(?m)(?<=\.)(1*)[eE][+-]?1+(?=[,;\t |]|$)"), re.compile("1+")
+AS_ONES = bytes.maketrans(b"0123456789", b"1111111111")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 
@@ -101,19 +102,20 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     >>> shapes(["0.002,-3", "1.123456789e-04,-12", "12:30:05.123456,3"])
     Counter({'1.1,-1': 2, '11:11:11.11111,1': 1})
     """
-    codes = np.frombuffer("\n".join(lines).encode(), np.uint8)
-    digit = (codes >= ord("0")) & (codes <= ord("9"))
+    codes = np.frombuffer("\n".join(lines).encode().translate(AS_ONES), np.uint8)
+    digit = codes == ord("1")
     # Whether five more digits stand before each.
     beyond = digit.copy()
     for _ in range(5):
         beyond[1:] = beyond[:-1] & digit[1:]
         beyond[:1] = False
-    counted = Counter(np.where(digit, np.uint8(ord("1")), codes)[~beyond].tobytes().decode().split("\n"))
+    counted = Counter(codes[~beyond].tobytes().decode().split("\n"))
+    # The length of a number and its exponent do not matter, except in dates.
+    plain_rows = [shape for shape in counted if NUMBER_ROW.fullmatch(shape) and not DATED.search(shape)]
+    short = dict(zip(plain_rows, RUN.sub("1", TENS.sub(r"\1", "\n".join(plain_rows))).split("\n"), strict=False))
     alike = Counter[str]()
     for shape, often in counted.items():
-        # The length of a number and its exponent do not matter, except in dates.
-        plain_row = NUMBER_ROW.fullmatch(shape) and not DATED.search(shape)
-        alike[re.sub("1+", "1", TENS.sub(r"\1", shape)) if plain_row else shape] += often
+        alike[short.get(shape, shape)] += often
     return alike
 
 

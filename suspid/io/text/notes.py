@@ -16,6 +16,8 @@ ROW_BYTES = b"0123456789.,;+- \t\n"
 STEMS = [word.encode() for word in sorted(REMARKS) if not any(other in word for other in REMARKS - {word})]
 
 
+# Lines that are looked at first.
+FIRST_LINES = 1000
 # What the first cell of a row of numbers begins with.
 ROW_STARTS = b"0123456789+-."
 # What a word begins with.
@@ -62,7 +64,8 @@ def _mark(line: bytes) -> bytes:
 
 def _without_events(text: bytes, within: int) -> tuple[bytes, Mapping[str, Remark]]:
     """Return a text whose names are one more than the cells of its rows, without the words behind some of them."""
-    lines = text[:within].split(b"\n")
+    # Nearly all files are none of these, which the first lines tell.
+    lines = text[:within].split(b"\n", FIRST_LINES)
     rows = (k for k, line in enumerate(lines) if k and line.strip()[:1] and line.strip()[:1] in ROW_STARTS)
     first = next(rows, 0)
     above = lines[first - 1] if first else b""
@@ -79,7 +82,10 @@ def _without_events(text: bytes, within: int) -> tuple[bytes, Mapping[str, Remar
     filled = (line for line in lines[first:-1] if line.strip())
     if width < 2 or mark == rb"\ " or not named or not all(noted.fullmatch(line) for line in filled):
         return text, {}
+    lines = text[:within].split(b"\n")
     known = [line for line in lines[first:-1] if line.strip()]
+    if not all(noted.fullmatch(line) for line in known):
+        return text, {}
     start = sum(len(line) + 1 for line in lines[:first])
     plain_rows = sum(re.fullmatch(row, line) is not None for line in known)
     if 2 * plain_rows < len(known) or not re.search(some, text[start:]):
