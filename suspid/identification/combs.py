@@ -52,15 +52,16 @@ def without_overtones(selection: Selection) -> Selection:
     """Return the poles of a record, of which those that hardly decay, at multiples of stronger tones, are no modes.
 
     A pendulum that is seen from the side moves up and down twice in a cycle. If it hardly decays, neither does that.
+    A tone is stronger that is so in one channel: another may be of the height alone.
     """
     poles, count = selection.fit.poles.pairs, selection.fit.count
-    sizes = selection.fit.strengths[: len(poles)]
+    sizes = np.abs(selection.fit.amplitudes[: len(poles)])
     reasons = list(selection.reasons)
     steady = [k for k in range(len(poles)) if reasons[k] in STEADY]
     for k in range(len(poles)):
         if reasons[k] is not None or -poles[k].real * count >= LASTING:
             continue
-        tones = poles.imag[[j for j in steady if sizes[j] > sizes[k]]]
+        tones = poles.imag[[j for j in steady if np.any(sizes[j] > sizes[k])]]
         off = np.abs(np.array(OVERTONES)[:, None] * tones - poles[k].imag)
         if np.min(off, initial=np.inf) < OFF_TOOTH * 2 * np.pi / count:
             reasons[k] = Reason.OF_TONE
