@@ -17,7 +17,7 @@ from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
-from suspid.words import Level, Note, RecordCheck, Remark
+from suspid.words import Check, Level, Note, RecordCheck, Remark
 
 RATE = 1000
 
@@ -182,6 +182,30 @@ def test_damping_that_grows_is_that_of_a_beat(later: float) -> None:
     assert not _as_damped_later([first, None])
 
 
+def test_another_mode_late_in_a_motion_does_not_tell_its_damping() -> None:
+    time, noise = TestOfLargest.t, TestOfLargest.noise
+    swing = np.exp(-0.2 * time) * np.sin(12 * time)
+    beside = 0.1 * np.exp(-0.02 * time) * np.sin(31 * time)
+    first, last = (identify(as_record(values + noise, timepts=time)) for values in (swing, swing + beside))
+    assert len(last.modes) == 2
+    assert _as_damped_later([first, last])
+
+
+@pytest.mark.parametrize(("short", "used"), [(True, True), (False, False)])
+def test_swings_that_shrink_far_longer_than_a_doubtful_stretch_are_used_doubtful(
+    short: bool, used: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The stretch is sound of itself and doubtful as a decay; every start of the swings is doubtful as well."""
+    time = TestOfLargest.t
+    record = as_response(time, (np.exp(-0.03 * time) * np.sin(12 * time) + TestOfLargest.noise)[None], ["seat"])
+    doubtful = Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL)
+    monkeypatch.setattr("suspid.analysis.choice.doubts_of", lambda *_: (doubtful,))
+    monkeypatch.setattr("suspid.analysis.largest._plain", lambda _, level: level is Level.DOUBTFUL)
+    part = cut(record, start=20.0, stop=24.0 if short else 29.0)
+    stretch = Used(record=part, decays=(), used=(), notes=())
+    assert (of_largest(record, stretch, identify(part), Settings()) is not None) is used
+
+
 @pytest.mark.parametrize(("grows", "used"), [(1.0, True), (1.2, False)])
 def test_where_nothing_is_calm_the_last_start_shows_the_same_damping(
     grows: float, used: bool, monkeypatch: pytest.MonkeyPatch
@@ -280,6 +304,14 @@ class TestLongestShrinking:
         run = self.found(fast + self.noise(7, size))
         assert run is not None
         assert run[2] - run[1] > 45
+
+    def test_under_a_ripple_with_turns_of_its_own(self) -> None:
+        """A bag that swings on its strap: 4.7 Hz on .6 Hz, driven by the wind, a seventh as large as the first swings."""
+        ripple = 0.07 * np.sin(2 * np.pi * 4.7 * self.t) * (1 + 0.5 * np.sin(0.9 * self.t))
+        run = self.found(self.free + ripple + self.noise(8, 0.003))
+        assert run is not None
+        assert run[2] - run[1] > 30
+        assert self.found(ripple + self.noise(8, 0.003)) is None
 
     def test_swings_that_noise_drives_are_none(self) -> None:
         """A resonance of 1.5 Hz and zeta .02 in white noise: in a minute its swings shrink for seven seconds."""

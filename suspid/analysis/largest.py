@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import damping_known, tried
+from suspid.analysis.choice import damping_known, level_of, tried
 from suspid.analysis.far_larger import hardly_any, larger_elsewhere
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
@@ -42,6 +42,8 @@ AGREE, AGREE_DOUBTFUL = 1, 2
 # A motion of more samples than the first number takes seconds for each start: fewer are tried then. One of more than
 # the second is a drive more often than a decay.
 LONG, FEWER_STARTS, LONGEST_TRIED = 50_000, (0.0, 0.1, 0.4), 250_000
+# Swings that shrink for this many times as long as a stretch whose modes are doubtful may be doubtful themselves.
+FAR_LONGER = 4.0
 # A fit explains this share of the energy of a channel where its modes are the largest motion.
 MOST_OF_IT = 0.8
 
@@ -57,13 +59,13 @@ def of_largest(
     """
     if not questioned(found, settings):
         return None
-    if len(found.modes) and found.verdict.level is not Level.DOUBTFUL:
+    if len(found.modes) and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL:
         return None
     beside = bool(len(found.modes))
     largest = not beside or hardly_any(record, stretch) or bool(larger_elsewhere(record, stretch))
     record = of_channels(record, as_signal(stretch.record).channels)
     for motion in _motions(record, largest=largest):
-        used = _agreed(motion, settings, beside=beside)
+        used = _agreed(motion, settings, beside=beside and not _far_longer(motion, stretch))
         if used is not None:
             out = tuple(name for name in as_signal(record).channels if name not in as_signal(used.record).channels)
             notes = (Remark(Note.FEWER_CHANNELS, {"names": out}),) if out else ()
@@ -123,6 +125,12 @@ def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None
     return None
 
 
+def _far_longer(motion: _Motion, stretch: Used) -> bool:
+    """Return whether swings shrink for far longer than the stretch lasts that is used."""
+    part = as_signal(stretch.record)
+    return motion.shrinks and FAR_LONGER * part.duration < motion.last - motion.first
+
+
 def _largest(signal: Signal) -> tuple[Second, Second] | None:
     """Return from when to when a record moves most; None if it is too short to tell, or none stands out."""
     each = signal.values.shape[1] // PARTS_COMPARED
@@ -154,11 +162,16 @@ def _follows(found: Identification, level: Level) -> bool:
 
 
 def _as_damped_later(tries: Sequence[Identification | None]) -> bool:
-    """Return whether the mode that is damped least is damped alike from the first start on and from the last one."""
+    """Return whether the mode that is damped least is damped alike from the first start on and from the last one.
+
+    Late in the motion another mode may be seen beside it.
+    """
     first, last = tries[0], tries[-1]
     if first is None or last is None or not (len(first.modes) and len(last.modes)):
         return False
-    zeta, later = float(np.min(first.modes.zeta)), float(np.min(last.modes.zeta))
+    least = int(np.argmin(first.modes.zeta))
+    nearest = int(np.argmin(np.abs(last.modes.wn - first.modes.wn[least])))
+    zeta, later = float(first.modes.zeta[least]), float(last.modes.zeta[nearest])
     return zeta > 0 and later > 0 and max(zeta, later) < DAMPED_ALIKE * min(zeta, later)
 
 

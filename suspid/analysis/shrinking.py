@@ -18,8 +18,9 @@ FALLS_AT_ONCE = 1 / 3
 # Where a knock is larger than any swing, more of them must shrink, over this part of the record, their means over two
 # cycles at least and over this share of all swings: single ones are as large as the noise lets them be.
 MANY_SHRINKING, PART_OF_RECORD, SWINGS_TOGETHER, SHARE_TOGETHER = 16, 0.5, 4, 1 / 16
-# The range of a channel without the largest and the smallest samples: those of a knock.
-WITHOUT_KNOCK = (0.02, 0.98)
+# The range of a channel without the largest and the smallest samples: those of a knock. Turns by less than the share
+# of it that follows may be those of a ripple on the swings.
+WITHOUT_KNOCK, RIPPLE_TURNS = (0.02, 0.98), 0.2
 
 
 def shrinking(signal: Signal) -> tuple[Second, Second] | None:
@@ -68,12 +69,18 @@ def longest_shrinking(signal: Signal) -> tuple[str, Second, Second] | None:
 def _long_run(samples: RealArray) -> tuple[int, int] | None:
     """Return the first and last sample of the longest run of swings of which some cycles are less than those before.
 
-    None where that has few.
+    None where that has few. Where a ripple on the swings has turns of its own, larger ones are looked at alone.
     """
     low, high = np.quantile(samples, WITHOUT_KNOCK)
     if not high > low:
         return None
-    turns = turns_above_noise(samples, float(high - low))
+    return _run_of(samples, turns_above_noise(samples, float(high - low))) or _run_of(
+        samples, turns_of(samples, RIPPLE_TURNS * float(high - low))
+    )
+
+
+def _run_of(samples: RealArray, turns: NDArray[np.intp]) -> tuple[int, int] | None:
+    """Return the first and last sample of the longest run of swings between these turns; None where it has few."""
     if len(turns) <= MANY_SHRINKING:
         return None
     times = np.sort(np.diff(turns))

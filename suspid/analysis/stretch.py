@@ -15,7 +15,7 @@ from suspid.analysis.first_rest import until_one_rests
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
-from suspid.analysis.longer import longer, shared_modes, with_identification
+from suspid.analysis.longer import longer, shared_modes, surer, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
@@ -100,6 +100,7 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         return Used(record=record, decays=(), used=(), notes=(), identification=whole)
     decays = find_decays(record)
     clear = [decay for decay in decays if not by_chance(decay)]
+    fewer_doubts = False
     if clear:
         best = used_of(record, decays, clear[0])
         if late and not clear[0].doubts and swings(clear[0]):
@@ -110,7 +111,8 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
         pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not swings(part.modes)
-        if part is not None and not pulse and (whole is None or not explains(whole, part)):
+        fewer_doubts = surer(whole, part)
+        if part is not None and not pulse and not fewer_doubts and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
         if whole is None or not len(whole.modes):
             again = _again(record, decays, clear, settings, pulse=part if pulse else None)
@@ -118,6 +120,7 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
                 return again
     whole = tried(record, settings) if late and not clear else whole
     said: dict[str, Number] = {
+        "surer": fewer_doubts,
         "found": len(decays),
         "clear": len(clear),
         "modes": 0 if whole is None else len(whole.modes),

@@ -14,9 +14,12 @@ def _stands_out(n: Mapping[str, Number]) -> str:
         return f"no clear decay was found, the best is {n['best']}; the whole record is used"
     if n["found"] and not n["modes"]:
         return f"no mode is significant, neither in the best decay ({n['best']}) nor in the whole record"
+    if n["surer"]:
+        return f"the whole record is used: it shows the modes of the best decay in it ({n['best']}) with fewer doubts"
     if n["found"]:
         return f"the whole record is used: the fit explains it as well as the best decay in it ({n['best']})"
-    return f"no free decay was found; the whole record is used. {n['remarks']}".rstrip()
+    lacking = "no stretch stands out as a free decay" if n["modes"] else "no free decay was found"
+    return f"{lacking}; the whole record is used. {n['remarks']}".rstrip()
 
 
 def _tests(n: Mapping[str, Number]) -> str:
