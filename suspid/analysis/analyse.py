@@ -19,7 +19,7 @@ from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
-from suspid.analysis.stretch import stretch_of
+from suspid.analysis.stretch import part_asked_for, stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
 from suspid.analysis.used import Used
 from suspid.arguments import explained
@@ -37,6 +37,7 @@ from suspid.records import cut
 from suspid.samples import held
 from suspid.threads import in_one_thread
 from suspid.wording import Argument
+from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -119,15 +120,16 @@ def analyse(
         opened = _read(source, car, settings)
         begin(STEPS[1])
         record = held(opened.cleaned, "record")
-        stretch = with_means(record, stretch_of(record, settings), settings)
-        if car is None:
-            stretch = with_fewer_channels(record, stretch, settings, stretch_of)
-        stretch = with_means_of_longest(record, stretch, settings)
-        begin(STEPS[2])
-        identification, repeats, stretch = _identified(record, stretch, settings)
+        searched, settled = record, settings
+        identification, repeats, stretch = _found(record, settings, begin, of_car=car is not None)
+        part = part_asked_for(record, settings)
+        if part is not None and settings.decay == "auto" and not len(identification.modes):
+            searched, settled = part, replace(settings, start=None, stop=None)
+            identification, repeats, stretch = _found(part, settled, lambda _: None, of_car=car is not None)
+            stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
     notes = [*opened.notes, *stretch.notes]
-    if repeats is None and settings.decay == "auto" and settings.start is settings.stop is None:
-        notes += larger_elsewhere(record, stretch)
+    if repeats is None and settled.decay == "auto" and settled.start is settled.stop is None:
+        notes += larger_elsewhere(searched, stretch)
     springs = Springs()
     if car is not None:
         begin(STEPS[3])
@@ -228,6 +230,18 @@ def _check_types(car: object, settings: object) -> None:
         raise InputError(f"settings={settings!r:.80} must be Settings, such as Settings(modes=1)")
     if car is not None and not isinstance(car, Suspension):
         raise InputError(Argument("car", f"{car!r:.80}"), " must be a Suspension; read_car reads one from a file")
+
+
+def _found(
+    record: control.TimeResponseData, settings: Settings, begin: Callable[[str], None], *, of_car: bool
+) -> tuple[Identification, Repeats | None, Used]:
+    """Return what is identified in a record, that of several decays jointly, and the part that is used."""
+    stretch = with_means(record, stretch_of(record, settings), settings)
+    if not of_car:
+        stretch = with_fewer_channels(record, stretch, settings, stretch_of)
+    stretch = with_means_of_longest(record, stretch, settings)
+    begin(STEPS[2])
+    return _identified(record, stretch, settings)
 
 
 def _identified(

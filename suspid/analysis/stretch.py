@@ -57,8 +57,8 @@ def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
 
 
 def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
-    if settings.start is not None or settings.stop is not None:
-        part = cut(record, start=settings.start, stop=settings.stop)
+    part = part_asked_for(record, settings)
+    if part is not None:
         return Used(record=part, decays=(), used=(), notes=_outside(record, settings))
     which = settings.decay
     if which == "whole":
@@ -71,6 +71,13 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
     return _all(record, decays) if which == "all" else _one(record, decays, int(which))
+
+
+def part_asked_for(record: control.TimeResponseData, settings: Settings) -> control.TimeResponseData | None:
+    """Return the part of a record that the settings name; None if they name none."""
+    if settings.start is None and settings.stop is None:
+        return None
+    return cut(record, start=settings.start, stop=settings.stop)
 
 
 def _outside(record: control.TimeResponseData, settings: Settings) -> tuple[Remark, ...]:

@@ -59,6 +59,10 @@ class Note(Code):
     )
     LARGEST_MOTION = "largest motion", _largest_motion
     WHOLE_RECORD = "whole record", _stands_out
+    SOUGHT_WITHIN = (
+        "sought within",
+        "no mode is found from the first sample of the part that was asked for on; a decay is sought within it",
+    )
     OUTSIDE = (
         "outside",
         sentence(

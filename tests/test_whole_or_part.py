@@ -1,0 +1,58 @@
+"""Whole records beside the best decay in them, and parts that are asked for and begin before the release."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from suspid import Settings, analyse, as_record
+from suspid.units import RealArray
+from suspid.words import Level, Note
+
+
+def pendulum(zeta: float, *, rate: float = 200.0) -> tuple[RealArray, RealArray]:
+    """Return 10 s of a pendulum on a spring that is not quite linear, .535 Hz at rest, with noise."""
+    t, wn = np.arange(0, 10, 1 / rate), 2 * np.pi * 0.535
+    swing = solve_ivp(
+        lambda _, y: [
+            y[1],
+            -2 * zeta * wn * y[1] * (1 + abs(y[1]) / 30) - wn**2 * (y[0] - 0.03 * y[0] ** 2 - 0.05 * y[0] ** 3),
+        ],
+        (0, 10), [-0.8, -2.0], t_eval=t, rtol=1e-9, atol=1e-10,
+    )  # fmt: skip
+    return t, swing.y[0] + 2.2e-3 * np.random.default_rng(0).standard_normal(t.size)
+
+
+def test_a_whole_record_with_the_same_mode_and_fewer_doubts_is_used() -> None:
+    """The best decay in it lasts for a cycle, from where the noise is met to where the spring is."""
+    t, values = pendulum(0.11)
+    found = analyse(as_record(values, timepts=t))
+    assert len(found.identification.response.time) == t.size
+    assert found.verdict.level is Level.CARE
+    assert found.modes.wn / (2 * np.pi) == pytest.approx([0.535], rel=0.01)
+    assert found.modes.zeta == pytest.approx([0.115], rel=0.03)
+    (note,) = [note for note in found.notes if note.code is Note.WHOLE_RECORD]
+    assert str(note).startswith("the whole record is used: it shows the modes of the best decay in it (")
+
+
+@pytest.mark.parametrize("start", [3.0, 8.0])
+def test_a_decay_is_sought_within_a_part_that_begins_before_it(start: float) -> None:
+    """A part that begins in the decay is used as it is."""
+    t = np.arange(4000) / 100
+    swing = np.where(t > 7, np.exp(-0.2 * (t - 7)) * np.sin(9 * (t - 7)), 0.0)
+    found = analyse(
+        as_record(swing + 2e-3 * np.random.default_rng(1).standard_normal(4000), timepts=t),
+        settings=Settings(start=start),
+    )
+    assert found.modes.wn == pytest.approx([9.0], rel=1e-3)
+    assert found.verdict.level is Level.SOUND
+    assert (Note.SOUGHT_WITHIN in {note.code for note in found.notes}) is (start < 7)
+    assert found.identification.response.time[0] == pytest.approx(max(start, 7.0), abs=0.1)
+
+
+def test_a_part_without_a_decay_has_none() -> None:
+    t = np.arange(2000) / 100
+    found = analyse(
+        as_record(np.random.default_rng(2).standard_normal(2000), timepts=t), settings=Settings(start=2.0, stop=15.0)
+    )
+    assert not len(found.modes)
+    assert "--decay auto" not in str(found.verdict)
