@@ -76,7 +76,9 @@ class TestOvertones:
         time, rng = np.arange(1200) / 60, np.random.default_rng(4)
         height = np.exp(-0.035 * time) * np.cos(2 * np.pi * 6.0 * time + 1)
         along = low * np.cos(2 * np.pi * 3.0 * time) + 0.01 * height
-        found = identify(as_response(time, [along, height] + 1e-3 * rng.standard_normal((2, 1200)), ["along", "height"]))
+        found = identify(
+            as_response(time, [along, height] + 1e-3 * rng.standard_normal((2, 1200)), ["along", "height"])
+        )
         named = [one for one in found.considered if one.remark.code is Reason.OF_TONE]
         assert (len(found.modes), len(named)) == ((0, 1) if is_harmonic else (1, 0))
 

@@ -306,7 +306,7 @@ class TestLongestShrinking:
         assert run[2] - run[1] > 45
 
     def test_under_a_ripple_with_turns_of_its_own(self) -> None:
-        """A bag that swings on its strap: 4.7 Hz on .6 Hz, driven by the wind, a seventh as large as the first swings."""
+        """A bag that swings on its strap: 4.7 Hz on .6 Hz, a seventh as large as the first swings."""
         ripple = 0.07 * np.sin(2 * np.pi * 4.7 * self.t) * (1 + 0.5 * np.sin(0.9 * self.t))
         run = self.found(self.free + ripple + self.noise(8, 0.003))
         assert run is not None

@@ -526,12 +526,29 @@ def test_many_channels_fit_a_screen() -> None:
     assert " others. They carry noise" in str(check.remark)
 
 
-@pytest.mark.parametrize(("cycles", "pulse"), [(20.0, False), (3.0, True)])
-def test_a_mode_that_swings_many_times_is_no_pulse(cycles: float, pulse: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One channel moves alike by itself; where neither half tells the damping, a few cycles may be a pulse."""
+@pytest.mark.parametrize(
+    ("cycles", "noise_std", "rate", "pulse"),
+    [
+        (20.0, 0.01, 0.05, False),
+        (2.8, 0.001, 0.05, True),
+        (3.3, 0.001, 0.05, False),
+        (3.3, 0.1, 0.05, True),
+        (6.5, 0.1, 0.05, False),
+        (6.5, 0.3, 0.05, True),
+        (6.5, 0.1, 0.02, True),
+        (9.0, 0.1, 1.0, True),
+    ],
+)
+def test_a_mode_that_swings_many_times_is_no_pulse(
+    cycles: float, noise_std: float, rate: float, pulse: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One channel moves alike by itself; where neither half tells the damping, a few cycles may be a pulse.
+
+    A few are plainly seen where they decay, but not at once, and where there is hardly any noise beside them.
+    """
     time = np.arange(1000) / 100
-    values = np.exp(-0.05 * time) * np.cos(2 * np.pi * cycles / 10 * time)
-    noise = 0.01 * np.random.default_rng(2).standard_normal(time.size)
+    values = np.exp(-rate * time) * np.cos(2 * np.pi * cycles / 10 * time)
+    noise = noise_std * np.random.default_rng(2).standard_normal(time.size)
     one = identify(as_response(time, (values + noise)[None], ["y"]), modes=1)
     monkeypatch.setattr(Identification, "halves", property(lambda _: np.full(1, np.nan)))
     assert bool(said(verdict_of(one), ModeCheck.ONE_SHAPE)) is pulse

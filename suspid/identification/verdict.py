@@ -48,6 +48,11 @@ FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
 # A free decay of one mode has its largest motion before that has fallen to this: 1/e. Where n masses pass a motion on,
 # the last has it when they have fallen to this to the power of n - 1; one power is left for noise.
 STILL_THERE = 0.37
+# Cycles of a single mode, and the share of the energy of a channel that it explains, with which it is plainly seen. A
+# voice has fewer cycles in a burst, or other tones beside.
+PLAINLY_SEEN = ((5.0, 0.95), (3.0, 0.999))
+# Nepers by which such a mode falls at least: of one that hardly does, a longer part tells more.
+LEAST_SEEN_DECAY = 0.25
 # A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
 NEAR_A_MODE, HARMONICS_LEFT = 0.03, 7
 
@@ -192,11 +197,17 @@ def _unexplained(found: Identification) -> Iterator[Check]:
 def _one_shape(found: Identification) -> bool:
     """Return whether all channels move alike: the fitted motion beside its principal direction is noise.
 
-    A single mode that swings many times before it has fallen to 1/e is no pulse.
+    A single mode that swings many times before it has fallen to 1/e is no pulse. Nor is one that is seen to decay, of
+    which there are fewer cycles before it has fallen to a tenth, and hardly anything else.
     """
     duration = as_signal(held(found, "response")).duration
-    if len(found.modes) == 1 and swings_many_times(found.modes, duration).all():
-        return False
+    if len(found.modes) == 1:
+        pole, most = complex(found.modes.poles[0]), float(np.max(found.explained))
+        cycles = abs(pole.imag) * min(duration, np.log(10) / max(abs(pole.real), 1e-300)) / (2 * np.pi)
+        decays = -pole.real * duration > LEAST_SEEN_DECAY
+        plain = decays and any(cycles > few and most > share for few, share in PLAINLY_SEEN)
+        if plain or swings_many_times(found.modes, duration).all():
+            return False
     unknowns = 2 * (len(found.modes) + sum(c.removed for c in found.considered))
     return one_shape(as_signal(held(found, "fitted")).values, found.noise_std, unknowns)
 

@@ -112,10 +112,11 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     counted = Counter(codes[~beyond].tobytes().decode().split("\n"))
     # The length of a number and its exponent do not matter, except in dates.
     plain_rows = [shape for shape in counted if NUMBER_ROW.fullmatch(shape) and not DATED.search(shape)]
-    short = dict(zip(plain_rows, RUN.sub("1", TENS.sub(r"\1", "\n".join(plain_rows))).split("\n"), strict=False))
+    short = RUN.sub("1", TENS.sub(r"\1", "\n".join(plain_rows))).split("\n")
+    shape_of = dict(zip(plain_rows, short, strict=False))
     alike = Counter[str]()
-    for shape, often in counted.items():
-        alike[short.get(shape, shape)] += often
+    for shape in counted:
+        alike[str(shape_of.get(shape, shape))] += counted[shape]
     return alike
 
 
