@@ -14,7 +14,7 @@ from suspid.cleaning.nearest import dispersed, nearest_clock, packed
 from suspid.cleaning.ordering import LATEST, numbered, ordered, stamped, unrepeated
 from suspid.errors import RecordError
 from suspid.signals import JITTER
-from suspid.stamps import FEW, SHORTEST, Grid, Indices, grid_of, is_uniform, multiples_of, rate_and_gaps
+from suspid.stamps import FEW, SHORTEST, Grid, Indices, continued, grid_of, is_uniform, multiples_of, rate_and_gaps
 from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
 from suspid.wording import Argument
@@ -27,7 +27,8 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     The first of these readings that explains every stamp is taken: uniform stamps, which stay as they are; the grid
     of a stated rate; a uniform clock whose stamps are rounded, with rows missing only where they lie off its line;
     the same after doubled, swapped or wrongly stamped rows were put in order; a regular clock whose stamps jitter, or
-    irregular sampling with right stamps. The last two differ in which of them the samples follow.
+    irregular sampling with right stamps; one of these after the clock was set back by a few samples. A regular clock
+    and irregular sampling differ in which of them the samples follow.
 
     Parameters
     ----------
@@ -82,6 +83,7 @@ def _read(stamps: RealArray, values: RealArray, rate: Hertz | None, *, distinct:
         rows, repeated = unrepeated(stamps, values, rows, most=FEW, distinct=True)
         times, index = stamps[rows], numbered(rows, lost)
         clock = dispersed(times, values[:, rows], rows, index) or packed(times, values[:, rows], rows, index)
+        clock = clock or _set_back(times, values, rows, index)
         if clock is None or rate is not None:
             raise
         return replace(clock, findings=(*findings, *repeated, *clock.findings))
@@ -89,6 +91,22 @@ def _read(stamps: RealArray, values: RealArray, rate: Hertz | None, *, distinct:
     if clock is None:
         clock = nearest_clock(times, values[:, rows], rows, rate)
     return replace(clock, findings=(*findings, *further, *clock.findings))
+
+
+def _set_back(times: RealArray, values: RealArray, rows: Indices, index: Indices) -> Clock | None:
+    """Return the clock of stamps that fall by a few samples where it was set back and the motion goes on, or None."""
+    onward, after = continued(times)
+    changes = np.abs(np.diff(values[:, rows], axis=1))
+    # Between two recordings, the motion jumps.
+    if not after.size or np.any(changes[:, after] > np.nanmax(np.delete(changes, after, axis=1), axis=1)[:, None]):
+        return None
+    clock = _regular_clock(onward, values, rows, index, None)
+    clock = nearest_clock(onward, values[:, rows], rows, None) if clock is None else clock
+    first = int(after[0])
+    back = float(onward[first + 1] - times[first + 1])
+    numbers: dict[str, Number] = {"back": back, "back_samples": back / clock.step, "row": int(rows[first]) + 1}
+    said = found(Defect.SET_BACK, onward[after], after.size, numbers)
+    return replace(clock, findings=(said, *clock.findings))
 
 
 def _as_they_are(

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.io.time_units import FEW_STAMPS
+from suspid.stamps import MOST_STEPS, are_even, continued
 from suspid.units import RealArray
 
-# Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
-# samples stray by a tenth.
-MOST_STEPS, JITTERY = 0.9, 0.25
 # No step of a clock that is read late now and then is longer than this, over the usual one, nor as much shorter.
 MOST_LATE = 2.5
 # Whole numbers are those of a clock that jitters if their usual step is this many at least, over this many rows: rows
@@ -24,7 +22,7 @@ def runs_as_clock(stamps: RealArray) -> bool:
     """Whether numbers rise as the stamps of a clock do: evenly, in even steps that are rounded, or with jitter.
 
     Whole numbers in even steps of one or more count the rows or are another axis; those of a clock in milliseconds, or
-    finer, jitter. A logarithmic axis has no usual step.
+    finer, jitter. A logarithmic axis has no usual step. A clock may have been set back by a few samples.
 
     Examples
     --------
@@ -33,7 +31,7 @@ def runs_as_clock(stamps: RealArray) -> bool:
     [True, True, False, False, False]
     """
     # Columns of other lengths beside it leave it empty at the end.
-    stamps = stamps[: filled(stamps)]
+    stamps = continued(stamps[: filled(stamps)])[0]
     if stamps.size < FEW_STAMPS or not np.all(np.isfinite(stamps)):
         return False
     with np.errstate(over="ignore"):
@@ -44,7 +42,7 @@ def runs_as_clock(stamps: RealArray) -> bool:
         return False
     if usual >= 1 and np.all(stamps == np.round(stamps)):
         return ticks(stamps)
-    if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
+    if rises and are_even(steps):
         return True
     # Stamps of whole milliseconds, some of them late by one.
     late = rises and float(np.max(steps)) <= MOST_LATE * usual and float(np.min(steps)) * MOST_LATE >= usual
@@ -60,13 +58,12 @@ def ticks(stamps: RealArray) -> bool:
     >>> ticks(25.0 * np.arange(100) + late), ticks(25.0 * np.arange(100))
     (True, False)
     """
-    stamps = stamps[: filled(stamps)]
+    stamps = continued(stamps[: filled(stamps)])[0]
     if stamps.size < MANY_STAMPS or not np.all(np.isfinite(stamps)) or not np.all(stamps == np.round(stamps)):
         return False
     steps = np.diff(stamps)
-    usual = float(np.median(steps))
-    jitters = usual >= LEAST_TICKS and bool(np.all(steps > 0) and np.ptp(steps) > 0)
-    return jitters and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual
+    jitters = float(np.median(steps)) >= LEAST_TICKS and bool(np.all(steps > 0) and np.ptp(steps) > 0)
+    return jitters and are_even(steps)
 
 
 def filled(stamps: RealArray) -> int:

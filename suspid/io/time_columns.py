@@ -12,7 +12,6 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.io.clock_numbers import (
     MANY_STAMPS,
-    MOST_STEPS,
     at_one_pace,
     filled,
     keeps_pace,
@@ -33,6 +32,7 @@ from suspid.io.names import (
 )
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import in_seconds, late_by, runs_beside
+from suspid.stamps import MOST_STEPS
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
 from suspid.words import LeftOut, Remark

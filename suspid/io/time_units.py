@@ -10,6 +10,7 @@ import numpy as np
 from suspid.errors import RecordError, RecordWarning
 from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
 from suspid.io.tables import Table
+from suspid.stamps import continued
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
 from suspid.words import LeftOut, Remark, rates_of_units
@@ -141,7 +142,7 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     unit = epoch_unit(stamps)
     if unit != "s":
         return Remark(LeftOut.DAYS if unit == "days" else LeftOut.EPOCH, {"unit": unit})
-    known = stamps[np.isfinite(stamps)]
+    known = continued(stamps[np.isfinite(stamps)])[0]
     with np.errstate(over="ignore"):
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")

@@ -105,6 +105,15 @@ def _irregular_stamps(numbers: Numbers) -> str:
     return text
 
 
+def _set_back(numbers: Numbers) -> str:
+    again = cast("int", numbers["samples"]) > 1
+    often = f" {numbers['samples']} times, the first time" if again else ""
+    return (
+        f"the clock was set back{often} by {{back:.3g}} s ({{back_samples:.2g}} samples) after row {{row}} and runs on "
+        f"at the same pace; samples taken as evenly spaced across it, the later stamps moved on by as much"
+    ).format_map(numbers)
+
+
 def _sentinel(numbers: Numbers) -> str:
     what = _count(numbers, "sample")
     if "value" in numbers:
@@ -275,6 +284,7 @@ class Defect(Code):
             )
         ),
     )
+    SET_BACK = "set back clock", _set_back
     SENTINEL = "sentinel", _sentinel
     SPIKES = (
         "spikes",

@@ -9,11 +9,11 @@ from functools import partial
 
 import numpy as np
 
-from suspid.io.clock_numbers import JITTERY, MOST_STEPS
 from suspid.io.names import PER_SECOND, STEP_NAMES, is_time, may_be_time, split_unit
 from suspid.io.tables import TimeBase
 from suspid.io.text.rows import Rows
 from suspid.io.time_units import FEW_STAMPS
+from suspid.stamps import are_even
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
 
@@ -58,6 +58,4 @@ def _are_steps(steps: RealArray, *, constant: bool) -> bool:
     """Whether numbers are the steps of a clock: positive, whole, and most of them alike."""
     if not np.all(np.isfinite(steps)) or not np.all(steps > 0) or not np.all(steps == np.round(steps)):
         return False
-    usual = float(np.median(steps))
-    alike = float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual
-    return alike and (constant or bool(np.ptp(steps) > 0))
+    return are_even(steps) and (constant or bool(np.ptp(steps) > 0))
