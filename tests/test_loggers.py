@@ -55,8 +55,75 @@ def test_rows_an_axis_and_lost_frames_are_no_clock(steps: np.ndarray) -> None:
 def test_the_column_that_increases_is_named_where_none_is_taken(tmp_path: Path, back: int) -> None:
     """The clock of a micro:bit steps back by some milliseconds once in a while."""
     even = [f"{10 * k - back * (k > 150)}" for k in range(TIMES.size)]
-    with pytest.raises(RecordError, match="'column 3' increases like a time"):
+    with pytest.raises(RecordError, match="'column 3' increases like a time: if it is one, give time='column 3'"):
         read_recording(table(tmp_path / "a.txt", SAMPLES, SAMPLES[::-1], even))
+    with pytest.raises(RecordError, match="give time='column 2'"):
+        read_recording(table(tmp_path / "a.txt", SAMPLES, even, SAMPLES[::-1]))
+
+
+# A clock that jitters by a tenth of its steps.
+LATE = TIMES + np.random.default_rng(7).uniform(0.0, 2.5e-3, TIMES.size)
+
+
+@pytest.mark.parametrize("place", [1, 2])
+@pytest.mark.parametrize("back", [0.0, 0.09])
+def test_a_clock_with_decimals_is_a_time_behind_samples(tmp_path: Path, place: int, back: float) -> None:
+    """Of a board that was set back once, too."""
+    stamps = LATE - back * (np.arange(TIMES.size) > 120)
+    columns = [SAMPLES, SAMPLES[::-1]]
+    columns.insert(place, [f"{t:.4f}" for t in stamps])
+    recording = read_recording(table(tmp_path / "a.txt", *columns))
+    assert dict(recording.left_out)[f"column {place + 1}"].code is LeftOut.TAKEN_AS_TIME
+    np.testing.assert_allclose(recording.channels[0].timepts, stamps, atol=6e-5)
+
+
+LOOP = [f"{np.sin(np.pi * t / TIMES[-1]) + 0.02 * np.cos(90 * t):.4f}" for t in TIMES]
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        (SAMPLES, SAMPLES[::-1], [f"{0.05 * k:.2f}" for k in range(TIMES.size)]),
+        (SAMPLES, SAMPLES[::-1], [f"{k / 30:.3f}" for k in range(TIMES.size)]),
+        (SAMPLES, [f"{3 * t:.4f}" for t in LATE], [f"{t:.4f}" for t in LATE]),
+        (LOOP, LOOP, [f"{t:.4f}" for t in LATE]),
+        (SAMPLES, [f"{k**2}" for k in range(TIMES.size)], [f"{t:.4f}" for t in LATE]),
+    ],
+    ids=["crosshead", "rounded crosshead", "two ways", "loop of force", "a way"],
+)
+def test_what_may_be_a_way_is_no_time_behind_samples(tmp_path: Path, columns: tuple[list[str], ...]) -> None:
+    with pytest.raises(RecordError, match="no column is named like a time"):
+        read_recording(table(tmp_path / "a.txt", *columns))
+
+
+@pytest.mark.parametrize("step", [5, 10])
+def test_whole_milliseconds_in_even_steps_are_a_time_before_samples(tmp_path: Path, step: int) -> None:
+    stamps = [f"{step * k}" for k in range(TIMES.size)]
+    recording = read_recording(table(tmp_path / "a.csv", stamps, SAMPLES, head="\ufeff"))
+    said = {name: remark.code for name, remark in recording.left_out}
+    assert said == {"column 1": LeftOut.TAKEN_AS_TIME, "unit of 'column 1'": LeftOut.FINER_UNIT}
+    np.testing.assert_allclose(recording["column 2"].timepts, step / 1e3 * np.arange(TIMES.size))
+
+
+# Three peaks over a floor.
+SPECTRUM = [f"{1 + sum(9 / (1 + (k - at) ** 2 / 9) for at in (60, 130, 210)) + 0.1 * (k % 2):.4f}" for k in range(300)]
+
+
+@pytest.mark.parametrize(
+    ("first", "step", "samples"),
+    [(0, 2, SAMPLES), (0, 3, SAMPLES), (300, 5, SAMPLES), (0, 10, LOOP), (0, 10, SPECTRUM)],
+    ids=["every second row", "every third row", "wavelengths", "loop of force", "spectrum"],
+)
+def test_another_axis_of_whole_numbers_is_none(tmp_path: Path, first: int, step: int, samples: list[str]) -> None:
+    axis = [f"{first + step * k}" for k in range(TIMES.size)]
+    with pytest.raises(RecordError, match="'column 1' increases like a time"):
+        read_recording(table(tmp_path / "a.txt", axis, samples))
+
+
+def test_the_angles_of_a_turn_are_none(tmp_path: Path) -> None:
+    angles = [f"{5 * k}" for k in range(72)]
+    with pytest.raises(RecordError, match="'column 1' increases like a time"):
+        read_recording(table(tmp_path / "a.txt", angles, SAMPLES[:72]))
 
 
 def labview(path: Path, step: str, stamps: np.ndarray) -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.io.time_units import FEW_STAMPS
-from suspid.stamps import MOST_STEPS, are_even, continued
+from suspid.stamps import MOST_STEPS, are_even, continued, resolution
 from suspid.units import RealArray
 
 # No step of a clock that is read late now and then is longer than this, over the usual one, nor as much shorter.
@@ -13,6 +13,10 @@ MOST_LATE = 2.5
 # Whole numbers are those of a clock that jitters if their usual step is this many at least, over this many rows: rows
 # that were picked, and stations of a speed, are fewer apart, or fewer.
 LEAST_TICKS, MANY_STAMPS = 4, 50
+# Whole numbers in even steps are milliseconds beyond this: degrees end before it, and frequencies mostly.
+MANY_TICKS = 1000
+# Steps of a grid that is rounded differ by one unit of its last digit; those of a clock that jitters by this many.
+TWO_DIGITS = 1.5
 # Parts of a record in which a clock runs have the same mean step within this; most steps lie this near the usual one.
 # Trackers that send when they can need the second, a counter of chance events has more.
 ONE_PACE, UNSTEADY = 0.06, 0.6
@@ -64,6 +68,39 @@ def ticks(stamps: RealArray) -> bool:
     steps = np.diff(stamps)
     jitters = float(np.median(steps)) >= LEAST_TICKS and bool(np.all(steps > 0) and np.ptp(steps) > 0)
     return jitters and are_even(steps)
+
+
+def counts_in_steps(stamps: RealArray) -> bool:
+    """Whether numbers are whole milliseconds from 0 in even steps, over a second and more, as a table is computed.
+
+    Rows that were picked are fewer apart, and angles of a turn end below.
+
+    Examples
+    --------
+    >>> [counts_in_steps(step * np.arange(200.0)) for step in (10, 1, 0.5)]
+    [True, False, False]
+    """
+    if stamps.size < MANY_STAMPS or not np.all(np.isfinite(stamps)):
+        return False
+    step = float(stamps[1] - stamps[0])
+    whole = step >= LEAST_TICKS and step == round(step) and bool(np.all(np.diff(stamps) == step))
+    return whole and float(stamps[0]) in (0.0, step) and float(stamps[-1]) > MANY_TICKS
+
+
+def jitters_at_one_pace(stamps: RealArray) -> bool:
+    """Whether numbers are those of a clock with decimals that jitters: an axis that is driven goes in even steps.
+
+    Examples
+    --------
+    >>> stamps = np.cumsum(np.random.default_rng(1).uniform(0.023, 0.027, 100))
+    >>> jitters_at_one_pace(stamps), jitters_at_one_pace(np.arange(100) / 40)
+    (True, False)
+    """
+    if stamps.size < MANY_STAMPS or not np.all(np.isfinite(stamps)):
+        return False
+    stamps = continued(stamps)[0]
+    steps = np.diff(stamps)
+    return keeps_pace(stamps) and are_even(steps) and float(np.ptp(steps)) > TWO_DIGITS * resolution(stamps)
 
 
 def filled(stamps: RealArray) -> int:

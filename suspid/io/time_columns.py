@@ -13,7 +13,9 @@ from suspid.errors import RecordError
 from suspid.io.clock_numbers import (
     MANY_STAMPS,
     at_one_pace,
+    counts_in_steps,
     filled,
+    jitters_at_one_pace,
     keeps_pace,
     never_falls,
     runs_as_clock,
@@ -42,7 +44,9 @@ NO_SPECTRA = "records over time are needed, no spectra or frequency responses; e
 # Steps that differ by less than this, relative to them, are even but for rounding.
 EVEN_TIME = 1e-3
 # A column that turns as often as this swings: one that is driven once to and fro turns less often.
-SWINGS = 10
+TURNS = 10
+# Changes of side in two swings, by more than this share of the standard deviation: noise turns more often.
+SIDES_OF_TWO, ONE_SIDE = 4, 0.5
 # Names of times that have a number each.
 NUMBERED_TIME = re.compile(r"(?:t|time|zeit)[\W_]*\d+", re.IGNORECASE)
 # Names of columns that have none.
@@ -145,8 +149,8 @@ def _same_time(table: Table, one: str, other: str) -> bool:
 
 
 def increasing(table: Table) -> str:
-    """Return a hint at the first column if its numbers increase, or count the rows, else at the last one."""
-    for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:]]):
+    """Return a hint at the first column if its numbers increase, or count the rows, else at the last, or another."""
+    for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:], *table.sizes]):
         with contextlib.suppress(RecordError):
             if is_frequency(name):
                 return f"; {name!r} holds frequencies: {NO_SPECTRA}"
@@ -156,7 +160,7 @@ def increasing(table: Table) -> str:
             # The clock of a small board may step back a little now and then; a motion, and parts of a second, fall as
             # far as they rise.
             if steps.size > 1 and np.sum(steps) > 0 and np.sum(steps) >= MOST_STEPS * np.sum(np.abs(steps)):
-                return f"; {name!r} increases like a time"
+                return f"; {name!r} increases like a time: if it is one, give {Argument('time', repr(name))}"
     return ""
 
 
@@ -194,21 +198,40 @@ def _numbered_times(table: Table, named: Sequence[str]) -> list[str]:
 
 
 def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
-    """Return the one column of columns without names that counts milliseconds: small loggers write the time last.
+    """Return the one column of columns without names that runs as a clock: small loggers write the time last.
 
-    Other numbers that rise evenly may be a displacement that is driven. The first of two that rises unevenly is one if
-    the other swings.
+    Other numbers that rise evenly may be a displacement that is driven: it does not jitter, and nothing swings beside
+    it. The first of two that rises unevenly, or in whole milliseconds, is one if the other swings.
     """
     if not all(UNNAMED_COLUMN.fullmatch(name) for name in table.sizes) or len(free) < 2:
         return []
-    columns = table.columns(list(free))
+    columns = dict(zip(free, table.columns(list(free)), strict=True))
     if len(table.sizes) == 2 == len(free):
-        first, second = columns
+        first, second = columns.values()
         finite = first.size >= MANY_STAMPS and np.all(np.isfinite(first)) and np.all(np.isfinite(second))
-        if finite and keeps_pace(first) and np.sum(np.diff(np.sign(np.diff(second))) != 0) >= SWINGS:
+        if finite and ((keeps_pace(first) and _turns(second)) or (counts_in_steps(first) and _swings(second))):
             return [free[0]]
-    running = [name for name, numbers in zip(free, columns, strict=True) if ticks(numbers)]
+    running = [name for name, numbers in columns.items() if ticks(numbers)]
+    if not running and len(table.sizes) == len(free) > 2:
+        running = [name for name, numbers in columns.items() if jitters_at_one_pace(numbers)]
+        others = [numbers for name, numbers in columns.items() if name not in running]
+        running = running if all(map(_turns, others)) and any(map(_swings, others)) else []
     return running if len(running) == 1 else []
+
+
+def _turns(numbers: RealArray) -> bool:
+    return bool(np.sum(np.diff(np.sign(np.diff(numbers[np.isfinite(numbers)]))) != 0) >= TURNS)
+
+
+def _swings(numbers: RealArray) -> bool:
+    """Whether numbers go from one side of their median to the other and back again, and again.
+
+    A loop of force does so once, the peaks of a spectrum lie on one side.
+    """
+    known = numbers[np.isfinite(numbers)]
+    off = known - np.median(known)
+    sides = np.sign(off[np.abs(off) > ONE_SIDE * np.std(off)])
+    return bool(np.sum(np.diff(sides) != 0) >= SIDES_OF_TWO)
 
 
 def _first(table: Table) -> str:
