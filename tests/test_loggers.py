@@ -238,6 +238,20 @@ class TestLimitsOfWhatMeasuresNothing:
         assert counters_of(self.plan("load", "again"), columns) == ["load"] * counts
         assert list(repeated_times(self.plan("load", "again"), columns)) == ["again"] * counts
 
+    @pytest.mark.parametrize(("step", "counts"), [(2.0, True), (250.0, True), (0.5, False), (-2.0, False)])
+    def test_rows_that_rise_by_the_same_whole_number(self, step: float, counts: bool) -> None:
+        times = np.cumsum(np.random.default_rng(1).uniform(0.02, 0.03, 60))
+        columns = {"t": times, "seat": np.cos(times), "j": step * np.arange(60.0)}
+        assert counters_of(self.plan("j"), columns) == ["j"] * counts
+
+    def test_milliseconds_beside_the_time_are_a_clock(self, tmp_path: Path) -> None:
+        """Of an even clock in another unit; alone, they are the time."""
+        stamps = [f"{25 * k}" for k in range(TIMES.size)]
+        path = table(tmp_path / "a.csv", [f"{t:.3f}" for t in TIMES], stamps, SAMPLES, head="t [s],ticks,seat\n")
+        assert dict(read_recording(path).left_out)["ticks"].code is LeftOut.EVEN
+        path = table(tmp_path / "b.csv", stamps, SAMPLES, head="t [ms],seat\n")
+        np.testing.assert_allclose(read_recording(path)["seat"].timepts, TIMES)
+
     @pytest.mark.parametrize(
         ("late", "size", "seconds", "is_part"),
         [(0.0, 1.0, 5, True), (5e-3, 1.0, 5, False), (0.0, -1.0, 5, False), (0.0, 1.0, 0.6, False)],

@@ -279,7 +279,18 @@ def counts_rows(name: str, values: RealArray) -> bool:
     (True, False, False)
     """
     named = split_unit(name)[0] in COUNTERS or UNNAMED.fullmatch(name) is not None
-    if not named or values.size < 2 or not np.all(np.isfinite(values[:2])):
+    return named and is_nth_count(values)
+
+
+def is_nth_count(values: RealArray) -> bool:
+    """Whether whole numbers count every nth row: they rise by the same whole number in each.
+
+    Examples
+    --------
+    >>> is_nth_count(np.array([4.0, 6.0, 8.0])), is_nth_count(np.array([0.0, 0.5, 1.0]))
+    (True, False)
+    """
+    if values.size < 2 or not np.all(np.isfinite(values[:2])):
         return False
     step = values[1] - values[0]
     return bool(step >= 1 and step == round(step) and values[0] == round(values[0])) and is_count(

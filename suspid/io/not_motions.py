@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from suspid.io.column_plan import ColumnPlan
-from suspid.io.names import counts_rows, is_abscissa, is_count
+from suspid.io.names import counts_rows, is_abscissa, is_count, is_nth_count
 from suspid.io.time_columns import UNNAMED_COLUMN
 from suspid.io.time_units import FEW_STAMPS, late_by, runs_beside
 from suspid.units import RealArray, Second
@@ -22,12 +22,16 @@ OF_A_SECOND: Second = 1e-3
 
 
 def counters_of(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]:
-    """Return the channels that count the rows: those that rise by one in each, by their names every nth row too.
+    """Return the channels that count the rows: those that rise by one, or by the same whole number, in each.
 
-    What a sensor measures does not rise by one from each row to the next. Of a first column without a name, a few rows
-    are enough.
+    What a sensor measures does not rise so from each row to the next. Of a first column without a name, a few rows are
+    enough, and by their names of other columns.
     """
-    counters = [name for name in plan.channels if _counts(name, columns[name])]
+    counters = [
+        name
+        for name in plan.channels
+        if _counts(name, columns[name]) or (columns[name].size >= MANY_ROWS and is_nth_count(columns[name]))
+    ]
     first = next(iter(plan.followers), "")
     unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
     # In a matrix, the column before the time counts the rows.
