@@ -126,6 +126,21 @@ def test_the_angles_of_a_turn_are_none(tmp_path: Path) -> None:
         read_recording(table(tmp_path / "a.txt", angles, SAMPLES[:72]))
 
 
+@pytest.mark.parametrize(("names", "columns"), [("0", 1), ("0,1", 2)])
+def test_an_index_of_time_under_the_header_of_pandas(tmp_path: Path, names: str, columns: int) -> None:
+    """A series or a frame without names: the header is a blank and numbers."""
+    stamps = [f"{t:.6f}" for t in TIMES]
+    recording = read_recording(table(tmp_path / "a.csv", stamps, *[SAMPLES] * columns, head=f",{names}\n"))
+    assert recording.names == tuple(names.split(","))
+    assert dict(recording.left_out)["column 1"].code is LeftOut.TAKEN_AS_TIME
+    np.testing.assert_allclose(recording.channels[0].timepts, TIMES, atol=1e-6)
+
+
+def test_a_row_that_begins_with_a_blank_is_no_header(tmp_path: Path) -> None:
+    stamps = ["", *[f"{t:.6f}" for t in TIMES[1:]]]
+    assert read_recording(table(tmp_path / "a.csv", stamps, SAMPLES), fs=40.0)["column 2"].values.size == TIMES.size
+
+
 def labview(path: Path, step: str, stamps: np.ndarray) -> Path:
     head = f"LabVIEW Measurement\t\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t1\nDelta_X\t{step}\n"
     rows = "".join(f"{t:.6f}\t{np.sin(0.3 * k):.6f}\n" for k, t in enumerate(stamps))

@@ -48,9 +48,15 @@ class Columns:
         kinds = self.dialect.kinds(line)
         return (
             len(kinds) == len(self.kinds)
+            and not self.are_numbered_by(line)
             and bool({"number", "stamp"} & set(kinds))
             and all(a in (b, "missing") or b in ("text", "missing") for a, b in zip(kinds, self.kinds, strict=True))
         )
+
+    def are_numbered_by(self, line: str) -> bool:
+        """Whether a line is the header that pandas writes over an index and columns without names: blank, 0, 1, 2."""
+        cells = self.dialect.cells(line)
+        return self.kinds[0] != "missing" and cells == ["", *map(str, range(len(self.kinds) - 1))] and len(cells) > 1
 
     def are_missing(self, line: str) -> bool:
         """Whether a line is a row of these columns without a number."""
@@ -78,7 +84,7 @@ class Columns:
         return [*cells, ""] if len(cells) == width - 1 and self.trailing else cells
 
     def may_be_named_by(self, line: str) -> bool:
-        """Whether a line may hold the names of the columns: a cell each, and numbers only beside a time.
+        """Whether a line may hold the names of the columns: a cell each, and numbers only beside a time or from pandas.
 
         Oscilloscopes number their channels beside an x. A cell that stands alone in front is the title of the rows.
         """
@@ -88,7 +94,12 @@ class Columns:
             return False
         if len(cells) > 1 and not any(cells[1:]) and not _is_axis(cells[0]):
             return False
-        return not any(numbers) or any(is_time(cell) for cell in cells) or (_is_axis(cells[0]) and _count_up(cells[1:]))
+        return (
+            self.are_numbered_by(line)
+            or not any(numbers)
+            or any(is_time(cell) for cell in cells)
+            or (_is_axis(cells[0]) and _count_up(cells[1:]))
+        )
 
     def units(self, line: str) -> list[str]:
         """Return the cells of a header line without brackets."""
