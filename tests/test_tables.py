@@ -295,6 +295,37 @@ class TestWithoutNames:
         assert str(dict(recording.left_out)["column 1"]) == "increases like a clock: taken as the time"
 
 
+class TestBlanksAmongTabs:
+    """An editor, or a hand, has put blanks where the other rows have tabs."""
+
+    LINES = tuple(f"{20 * k}\t{round(100 * np.cos(k))}" for k in range(40))
+
+    def lines(self, *blank: int) -> list[str]:
+        return [line.replace("\t", "  ") if k in blank else line for k, line in enumerate(self.LINES)]
+
+    @pytest.mark.parametrize("blank", [(0,), (17,), (39,), (0, 17, 18, 39)])
+    @pytest.mark.parametrize("head", ["", "# a swing\n", "t [ms]\tseat\n"])
+    def test_are_rows(self, tmp_path: Path, head: str, blank: tuple[int, ...]) -> None:
+        recording = read(
+            tmp_path, head + "\n".join(self.lines(*blank)) + "\n", time="t [ms]" if "seat" in head else "column 1"
+        )
+        (channel,) = recording.channels
+        assert channel.values.tolist() == [round(100 * np.cos(k)) for k in range(40)]
+        np.testing.assert_allclose(channel.timepts, 0.02 * np.arange(40))
+
+    def test_counts_above_and_below_are_none(self, tmp_path: Path) -> None:
+        recording = read(tmp_path, "\n".join(["50 2", *self.LINES, "40 2"]) + "\n", time="column 1")
+        assert recording["column 2"].values.size == 40
+        assert {"line 1", "line 42"} <= set(dict(recording.left_out))
+
+    @pytest.mark.parametrize("odd", ["340", "340 1 2", "340 x"])
+    def test_lines_of_other_cells_are_refused(self, tmp_path: Path, odd: str) -> None:
+        lines = self.lines()
+        lines[17] = odd
+        with pytest.raises(RecordError, match="line 18 has 1 cells"):
+            read(tmp_path, "\n".join(lines) + "\n", time="column 1")
+
+
 class TestExports:
     def test_a_rule_below_the_header(self, tmp_path: Path) -> None:
         recording = read(tmp_path, "Time(s), Angle(deg)\n-------------------\n0.0, 1.5\n0.5, 2.5\n1.0, 3\n")

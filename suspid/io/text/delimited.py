@@ -21,6 +21,7 @@ from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
 from suspid.io.text.step_columns import step_clock
+from suspid.io.text.stray_blanks import with_tabs
 from suspid.io.text.thousands import refuse_thousands
 from suspid.units import RealArray
 from suspid.values import listed
@@ -57,6 +58,7 @@ def read_delimited(path: Path) -> Table:
     del content
     text, notes = without_notes(text, within=HEAD_BYTES)
     left_out |= notes
+    text = with_tabs(text, within=HEAD_BYTES)
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
