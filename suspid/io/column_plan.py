@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 
 from suspid.errors import RecordError
 from suspid.io.names import (
-    is_frequency,
     is_time,
     is_time_in_unknown_unit,
 )
 from suspid.io.tables import Table, TimeBase
-from suspid.io.time_columns import NO_SPECTRA, increasing, time_column, time_names
+from suspid.io.time_columns import NO_SPECTRA, increasing, over_frequency, time_column, time_names
 from suspid.io.time_units import unknown_unit
 from suspid.levels import SEVEN_DIGITS
 from suspid.units import Hertz
@@ -60,7 +59,7 @@ def plan_of(table: Table, channels: Sequence[str] | None, time: str | None, fs: 
         by_clock, time = list(clocks), None
     elif time is not None:
         clocks, time = {}, table.full_name(time, what="time column")
-        if is_frequency(time):
+        if over_frequency(table, time):
             raise RecordError(f"{time!r} holds frequencies and no time: {NO_SPECTRA}")
     elif not (names and all(name in clocks for name in names)):
         time, own, left_out = time_column(table, names, clocks, fs)

@@ -24,7 +24,9 @@ PER_SECOND = {
 JOINED = re.compile(r"(t|time|timestamp|uptime|zeit)(ms|msec|us|usec|millis|micros|nanos)")
 # Names of the frequencies of a spectrum; with their unit also f.
 FREQUENCIES = {"freq", "frequency", "frequencies", "frequenz", "frequenzen", "hz"}
-# These units as a message lists them.
+# Units of a column of frequencies.
+FREQUENCY_UNITS = {"hz", "khz", "mhz", "ghz"}
+# These units of time as a message lists them.
 KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 # Columns of these names are not taken for the time: they are parts of a date.
 DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
@@ -39,7 +41,7 @@ RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtas
 # How many hertz make a unit of a rate.
 HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
 STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
-STEP_NAMES |= {"increment", "xincrement", "deltax"}
+STEP_NAMES |= {"increment", "xincrement", "deltax", "sampleperiod", "samplingperiod"}
 # Words of which one makes a name read like a time, if the numbers run as a clock does.
 TIME_WORDS = {"time", "times", "timestamp", "elapsed", "clock", "seconds", "secs", "sec", "millis", "micros", "date"}
 TIME_WORDS |= {"zeit", "zeitpunkt", "temps", "tiempo", "tempo", "tijd", "czas", "zaman", "aika", "tid", "idő", "čas"}

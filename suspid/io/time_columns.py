@@ -22,6 +22,7 @@ from suspid.io.clock_numbers import (
     ticks,
 )
 from suspid.io.names import (
+    FREQUENCY_UNITS,
     PER_SECOND,
     bracketed_unit,
     counts_rows,
@@ -152,7 +153,7 @@ def increasing(table: Table) -> str:
     """Return a hint at the first column if its numbers increase, or count the rows, else at the last, or another."""
     for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:], *table.sizes]):
         with contextlib.suppress(RecordError):
-            if is_frequency(name):
+            if over_frequency(table, name):
                 return f"; {name!r} holds frequencies: {NO_SPECTRA}"
             if counts_rows(name, table.columns([name])[0]):
                 return f"; {name!r} counts the rows and is not a time"
@@ -164,12 +165,19 @@ def increasing(table: Table) -> str:
     return ""
 
 
+def over_frequency(table: Table, name: str) -> bool:
+    """Whether a column holds the frequencies of a spectrum, by its name, or by its unit where it never falls."""
+    in_hertz = table.units.get(name, "").lower() in FREQUENCY_UNITS
+    return is_frequency(name) or (in_hertz and never_falls(table.columns([name])[0]))
+
+
 def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool = False) -> list[str]:
     """Return the columns that are named as times, or else those that may be one and run as a clock does.
 
     Where a rate is ``given``, a column named x is a channel.
     """
-    free = list(table.sizes) if among is None else among
+    every = list(table.sizes) if among is None else among
+    free = [name for name in every if table.units.get(name, "").lower() not in FREQUENCY_UNITS]
     if times := [name for name in free if is_time(name)]:
         return times
     named = [name for name in free if may_be_time(name)]

@@ -145,19 +145,19 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     known = continued(stamps[np.isfinite(stamps)])[0]
     with np.errstate(over="ignore"):
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
+    # Rows that are missing make the mean step longer, rounding and jitter the usual one wrong.
+    mean = float(np.ptp(known)) / (known.size - 1) if step > 0 else 0.0
+    pace = mean if mean and abs(mean / step - 1) < NEAR_RATE else step
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
     if finer != "s":
         others = _other_units(finer, step, whole=bool(np.all(known % 1 == 0)))
-        # Rows that are missing make the mean step longer, rounding and jitter the usual one wrong.
-        mean = float(np.ptp(known)) / (known.size - 1)
-        pace = mean if abs(mean / step - 1) < NEAR_RATE else step
         rates = tuple(PER_SECOND[unit] / pace for unit in (finer, *others))
         span = float(np.ptp(known)) / PER_SECOND[finer]
         return Remark(
             LeftOut.FINER_UNIT, {"unit": finer, "step": step, "others": others, "rates": rates, "length": span}
         )
     length = float(np.ptp(known)) if 0 < step < MINUTE_STEP else SHORT_RECORD
-    return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / step}) if length < SHORT_RECORD else None
+    return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / pace}) if length < SHORT_RECORD else None
 
 
 def _other_units(unit: str, step: float, *, whole: bool) -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from suspid.io.tables import Table, TimeBase, all_at_once
 from suspid.io.time_units import FEW_STAMPS, guessed_unit, in_seconds, time_unit, too_fine
 from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
+from suspid.stamps import resolution
 from suspid.units import Hertz, RealArray
 from suspid.values import check_rate
 from suspid.wording import Argument
@@ -150,7 +151,9 @@ def _outvoted(
     usual = float(np.median(steps))
     steady = abs(usual * mean - 1) < OTHER_PACE
     whole = float(np.max(steps)) < 1.5 * usual and float(np.min(steps)) > 0.5 * usual
-    if whole and abs(mean / plan.rate - 1) < OTHER_PACE and _rounds(table, mean):
+    # The first stamp and the last are rounded: a step of the file within that is more exact than theirs.
+    agree = abs(1 / mean - 1 / plan.rate) * (known.size - 1) <= resolution(known)
+    if whole and not agree and abs(mean / plan.rate - 1) < OTHER_PACE and _rounds(table, mean):
         return replace(plan, rate=None), {}
     if not steady or abs(mean / plan.rate - 1) < OTHER_PACE:
         return plan, {}

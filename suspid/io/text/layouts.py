@@ -11,6 +11,7 @@ from functools import cache, partial
 
 from suspid.errors import RecordError
 from suspid.io.names import bracketed_unit, plain, stated_rate
+from suspid.io.text.axis_units import axis_unit
 from suspid.io.text.cells import Kind, kind_of, number
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
@@ -65,6 +66,10 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         if cells[0].lower() == "y_unit_label" and len(cells) >= len(names):
             units |= dict(zip(names[1:], cells[1:], strict=False))
             break
+    # Oscilloscopes write the time first.
+    axis = columns.kinds.index("number") if columns.kinds.count("number") > 1 else None
+    if axis is not None and names[axis] not in units and (unit := axis_unit(head, columns, axis)):
+        units[names[axis]] = unit
     return Layout(
         dialect=columns.dialect,
         names=tuple(names),
