@@ -56,6 +56,10 @@ class TestOneThatRunsOn:
         assert "was set back by 0.05" in said
         assert "after row 271 and runs on at the same pace" in said
 
+    def test_beside_a_channel_without_samples(self) -> None:
+        values = np.concatenate([MOTION, np.full_like(MOTION, np.nan), np.where(ROWS == 60, np.inf, MOTION)])
+        assert read_clock(set_back(JITTERING, 270), values).findings[0].kind is Defect.SET_BACK
+
     def test_twice_in_five_hundred_rows(self) -> None:
         clock = read_clock(set_back(JITTERING, 100, 380), MOTION)
         assert "set back 2 times" in str(clock.findings[0])
@@ -75,8 +79,18 @@ class TestAnother:
             set_back(JITTERING, *range(50, 500, 60)),
             set_back(np.where(ROWS > 270, 0.9 * JITTERING, JITTERING) + 0.542 * (ROWS > 270), 270),
             set_back(JITTERING, 270) + 0.08 * (ROWS > 400),
+            set_back(np.where(ROWS > 480, 2 * STEP * ROWS - 9.6, STEP * ROWS), 480, samples=5),
         ],
-        ids=["by twenty samples", "restart", "near the start", "near the end", "often", "other pace", "and ahead"],
+        ids=[
+            "by twenty samples",
+            "restart",
+            "near the start",
+            "near the end",
+            "often",
+            "other pace",
+            "and ahead",
+            "half the rate",
+        ],
     )
     def test_by_its_stamps(self, stamps: RealArray) -> None:
         assert not continued(stamps)[1].size

@@ -96,9 +96,13 @@ def _read(stamps: RealArray, values: RealArray, rate: Hertz | None, *, distinct:
 def _set_back(times: RealArray, values: RealArray, rows: Indices, index: Indices) -> Clock | None:
     """Return the clock of stamps that fall by a few samples where it was set back and the motion goes on, or None."""
     onward, after = continued(times)
-    changes = np.abs(np.diff(values[:, rows], axis=1))
+    if not after.size:
+        return None
+    with np.errstate(invalid="ignore", over="ignore"):
+        changes = np.abs(np.diff(values[:, rows], axis=1))
+    changes[np.isnan(changes)] = 0.0
     # Between two recordings, the motion jumps.
-    if not after.size or np.any(changes[:, after] > np.nanmax(np.delete(changes, after, axis=1), axis=1)[:, None]):
+    if np.any(changes[:, after] > np.max(np.delete(changes, after, axis=1), axis=1)[:, None]):
         return None
     clock = _regular_clock(onward, values, rows, index, None)
     clock = nearest_clock(onward, values[:, rows], rows, None) if clock is None else clock

@@ -42,11 +42,14 @@ def continued(stamps: RealArray) -> tuple[RealArray, Indices]:
         return unchanged
     runs = [steps[first:stop] for first, stop in zip([0, *(back + 1)], [*back, steps.size], strict=True)]
     forward = np.delete(steps, back)
-    usual = float(np.median(forward))
     if min(run.size for run in runs) < STEPS_OF_A_PACE or not np.all(forward > 0) or not are_even(forward):
         return unchanged
+    usual = float(np.median(forward))
     # Rows that are missing make single steps longer.
-    paces = np.array([float(np.mean(run[run < HOLE * usual])) for run in runs])
+    single = [run[run < HOLE * usual] for run in runs]
+    if not all(run.size for run in single):
+        return unchanged
+    paces = np.array([float(np.mean(run)) for run in single])
     pace = 0.5 * (paces[:-1] + paces[1:])
     moved = pace - steps[back]
     if np.ptp(paces) > SAME_PACE * usual or np.max(moved) > MOST_BACK * usual:
