@@ -552,3 +552,20 @@ def test_a_mode_that_swings_many_times_is_no_pulse(
     one = identify(as_response(time, (values + noise)[None], ["y"]), modes=1)
     monkeypatch.setattr(Identification, "halves", property(lambda _: np.full(1, np.nan)))
     assert bool(said(verdict_of(one), ModeCheck.ONE_SHAPE)) is pulse
+
+
+@pytest.mark.parametrize(
+    ("hertz", "zeta", "named"),
+    [(2.0, 0.007, True), (3.0, 0.006, True), (2.03, 0.007, False), (2.0, 0.02, False), (4.0, 0.007, False)],
+)
+def test_a_mode_at_twice_or_three_times_another_calls_for_care(hertz: float, zeta: float, named: bool) -> None:
+    """A pendulum of 1 Hz by two axes: its pull along the string has twice the frequency, and is the larger."""
+    time, rng = np.arange(1500) / 50, np.random.default_rng(3)
+    across = np.exp(-0.007 * 2 * np.pi * time) * np.cos(2 * np.pi * time)
+    along = 2 * np.exp(-zeta * 2 * np.pi * hertz * time) * np.cos(2 * np.pi * hertz * time + 1)
+    values = np.array([across + 0.1 * along, along]) + 0.05 * rng.standard_normal((2, time.size))
+    found = identify(as_response(time, values, ["across", "along"]))
+    assert len(found.modes) == 2
+    checks = said(found.verdict, ModeCheck.MULTIPLE)
+    assert [check.remark.numbers["multiple"] for check in checks] == ([round(hertz)] if named else [])
+    assert all(check.level is Level.CARE for check in checks)

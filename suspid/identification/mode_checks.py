@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.files import printable
-from suspid.identification.combs import repeated_in
+from suspid.identification.combs import OVERTONES, repeated_in
 from suspid.identification.fitting import BENT
 from suspid.identification.noise import LOUD
 from suspid.levels import SURE
@@ -43,6 +44,9 @@ SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
 BROAD_BESIDE_NARROW = 3.0
 # And their frequencies are this near: no damping moves one further.
 ONE_FREQUENCY = 1.1
+# A mode at a multiple of another is damped as that is, to this factor; its frequency is known to this share. Another
+# lies there by chance once in fifty.
+ALIKE_DAMPED, MULTIPLE_KNOWN = 1.5, 0.005
 # What swings for this many samples and cycles at most, until it has fallen to 1/e, and is over within this share of the
 # time of another mode, may be a flash: a switch or a contact makes such. Wheels take a tenth of the time of a body.
 FLASH_SAMPLES, FLASH_CYCLES, FLASH_TIME = 10.0, 3.0, 0.01
@@ -177,6 +181,26 @@ def check_phases(found: Identification) -> Iterator[Check]:
     modes = numbers_of((np.array(found.modes.kinds) == "pair") & (found.collinearity < OUT_OF_PHASE))
     if len(found.modes.channels) > 1 and modes:
         yield check_of(ModeCheck.OUT_OF_PHASE, Level.NOTE, {"modes": modes})
+
+
+def check_multiples(found: Identification) -> Iterator[Check]:
+    """Check that no mode turns at twice or three times the frequency of another and is damped as that is.
+
+    The first is named: strings have many.
+    """
+    modes = found.modes
+    if modes.wn_std is None:
+        return
+    wd = np.where(np.array(modes.kinds) == "pair", np.abs(modes.poles.imag), np.nan)
+    for one, other in itertools.permutations(range(len(modes)), 2):
+        for multiple in OVERTONES:
+            std = float(np.hypot(multiple * modes.wn_std[one], modes.wn_std[other]))
+            off = abs(wd[other] - multiple * wd[one])
+            alike = 1 / ALIKE_DAMPED < modes.zeta[other] / max(modes.zeta[one], 1e-300) < ALIKE_DAMPED
+            if alike and std < MULTIPLE_KNOWN * wd[other] and off < SURE * std:
+                numbers = {"one": one + 1, "other": other + 1, "multiple": multiple}
+                yield check_of(ModeCheck.MULTIPLE, Level.CARE, numbers)
+                return
 
 
 def check_cycles(found: Identification) -> Iterator[Check]:

@@ -17,6 +17,7 @@ from suspid.identification.mode_checks import (
     check_flashes,
     check_followed,
     check_halves,
+    check_multiples,
     check_of,
     check_parts,
     check_phases,
@@ -94,6 +95,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     rough = list(check_precision(found, level))
     yield from rough
     yield from check_cycles(found)
+    yield from check_multiples(found)
     yield from check_resolution(found)
     yield from _left_out(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
     yield from check_parts(found)

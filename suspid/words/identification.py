@@ -210,6 +210,11 @@ class ModeCheck(Code):
             )
         ),
     )
+    MULTIPLE = (
+        "multiple",
+        "Mode {other} turns at {multiple} times the frequency of mode {one} and is damped alike: what a swing does "
+        "across its way, or a sensor or spring that bends, looks the same. It may be no mode of its own.",
+    )
     RESIDUAL_WHITE = "residual white", "The residual near the modes is no larger than white noise."
     RESIDUAL_LOUD = (
         "residual loud",

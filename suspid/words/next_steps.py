@@ -179,6 +179,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
     ModeCheck.SHARED_NOISE: NextStep.CHANNELS,
     ModeCheck.OUT_OF_PHASE: NextStep.CHANNELS,
+    ModeCheck.MULTIPLE: NextStep.CHANNELS,
     ModeCheck.RESIDUAL_LINE: NextStep.QUIET,
     ModeCheck.STEADY_TONES: NextStep.QUIET,
     ModeCheck.DAMPING_UNKNOWN: NextStep.REPEAT,
