@@ -36,7 +36,7 @@ class Considered:
     >>> tone = 0.05 * np.sin(60 * t)
     >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + tone + noise, timepts=t))
     >>> [(round(abs(one.pole)), one.reason, one.removed) for one in found.considered]
-    [(60, 'steady tone: it does not decay within the record', True)]
+    [(60, 'steady tone: no decay is seen within the record', True)]
     """
 
     pole: complex

@@ -175,8 +175,13 @@ def _check_clipping(signal: Signal) -> None:
                 first, count = run
                 limit, time = samples[first], signal.timepts
                 at = np.flatnonzero(samples == limit)
+                behind = len(samples) - 1 - int(at[-1])
+                enough = (
+                    f"start the record after t = {time[at[-1]]:g} s"
+                    if behind >= FEWEST_SAMPLES
+                    else ("record it again with a larger range")
+                )
                 raise RecordError(
                     f"channel {name!r} is clipped: {len(at)} samples are at its {word} value {limit:g}, {count} of "
-                    f"them consecutive from t = {time[first]:g} s; start the record after t = {time[at[-1]]:g} s, "
-                    f"or leave the channel out"
+                    f"them consecutive from t = {time[first]:g} s; {enough}, or leave the channel out"
                 )

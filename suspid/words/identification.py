@@ -51,7 +51,7 @@ class ModeCheck(Code):
             )
         ),
     )
-    NOTHING_DECAYS = "nothing decays", "No sum of decaying modes describes the record better than noise does."
+    NOTHING_DECAYS = "nothing decays", "No pole stands out as a decaying mode."
     STEADY_LINE = (
         "steady line",
         "The strongest pole, at {hertz:.4g} Hz, does not decay: a steady line of rotating parts or hum, not a mode.",
@@ -260,7 +260,7 @@ class ModeCheck(Code):
     )
     FEW_CYCLES = (
         "few cycles",
-        "Mode {mode} makes only {cycles:.2g} cycles in the record and has not decayed by its end.",
+        "Mode {mode} makes only {cycles:.2g} cycles in the part that is used, and has not decayed by its end.",
     )
     REAL_ONLY = (
         "real poles only",

@@ -8,7 +8,7 @@ from suspid.words.remarks import Code, sentence
 class Reason(Code):
     """Why a pole is not among the modes."""
 
-    TONE = "tone", "steady tone: it does not decay within the record"
+    TONE = "tone", "steady tone: no decay is seen within the record"
     DRIFT = "drift", "drift: it decays more slowly than the record lasts"
     GROWING = "growing", "it grows"
     LINE = "line", "part of a steady line: rotating parts of varying speed"
