@@ -121,6 +121,30 @@ class TestOfLargest:
         monkeypatch.setattr("suspid.analysis.largest.tried", tried)
         assert (of_largest(whole.record, calm, none, Settings()) is not None) is used
 
+    @pytest.mark.parametrize(("rate", "start"), [(2.5, 2), (0.3, 0)])
+    def test_what_dies_at_once_and_few_starts_show_is_still_held(
+        self, rate: float, start: int, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """The first two of six starts show a second mode; one that swings for long is a mode."""
+        whole, calm = self.stretch(1.0, self.swing + self.noise)
+        none, time, tries = identify(calm.record), np.arange(600) / 100, iter(range(6))
+
+        def tried(_part: object, _settings: Settings) -> Identification:
+            beside = np.exp(-rate * time) * np.sin(20 * time) if next(tries) < 2 else 0.0
+            return identify(as_response(time, (np.exp(-0.3 * time) * np.sin(12 * time) + beside)[None], ["seat"]))
+
+        starts: list[float] = []
+
+        def noted(record: Any, *, start: float, stop: float) -> Any:
+            starts.append(start)
+            return cut(record, start=start, stop=stop)
+
+        monkeypatch.setattr("suspid.analysis.largest.tried", tried)
+        monkeypatch.setattr("suspid.analysis.largest.cut", noted)
+        used = of_largest(whole.record, calm, none, Settings())
+        assert used is not None
+        assert as_signal(used.record).start == pytest.approx(sorted(starts)[start], abs=0.02)
+
     def test_noise_has_no_largest_motion(self) -> None:
         whole, _ = self.stretch(1.0, self.noise)
         assert _largest(as_signal(whole.record)) is None

@@ -44,6 +44,8 @@ AGREE, AGREE_DOUBTFUL = 1, 2
 LONG, FEWER_STARTS, LONGEST_TRIED = 50_000, (0.0, 0.1, 0.4), 250_000
 # Swings that shrink for this many times as long as a stretch whose modes are doubtful may be doubtful themselves.
 FAR_LONGER = 4.0
+# A mode that is damped by less makes three cycles before it has fallen to a fifth: others may be what is still held.
+LASTING_ZETA = 0.08
 # A fit explains this share of the energy of a channel where its modes are the largest motion.
 MOST_OF_IT = 0.8
 
@@ -117,11 +119,14 @@ def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None
         return None
     levels = ((Level.CARE, AGREE),) if beside else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
-        for part, one in zip(parts, tries, strict=True):
-            if one is not None and _plain(one, level) and _agreeing(one, tries, level) >= others:
-                said = {"start": as_signal(part).start, "stop": motion.last}
-                notes = (Remark(Note.LARGEST_USED, said),)
-                return Used(record=part, decays=(), used=(), notes=notes, identification=one)
+        agreeing = [_agreeing(one, tries, level) if one is not None and _plain(one, level) else -1 for one in tries]
+        # What only few starts show of heavily damped poles is what lets the motion go.
+        half = [_lasts(one) or number >= len(tries) // 2 for one, number in zip(tries, agreeing, strict=True)]
+        shown = [k for k, number in enumerate(agreeing) if number >= others]
+        for k in sorted(shown, key=lambda k: not half[k])[:1]:
+            said = {"start": as_signal(parts[k]).start, "stop": motion.last}
+            notes = (Remark(Note.LARGEST_USED, said),)
+            return Used(record=parts[k], decays=(), used=(), notes=notes, identification=tries[k])
     return None
 
 
@@ -154,6 +159,11 @@ def _plain(found: Identification, level: Level) -> bool:
         # One swing; others beside it may be what forces leave.
         return found.verdict.level is level and len(found.modes) == 1
     return damping_known(found)
+
+
+def _lasts(found: Identification | None) -> bool:
+    """Return whether every mode swings for some cycles before it has faded."""
+    return found is not None and bool(np.all(found.modes.zeta < LASTING_ZETA))
 
 
 def _follows(found: Identification, level: Level) -> bool:
