@@ -23,6 +23,9 @@ from suspid.model import ModalSet
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.values import frozen_real
 
+# Cycles in which a decrement is measured, at least.
+DECREMENT_CYCLES = 3
+
 
 def poles_within(structures: Structures, motion: Motion, window: slice) -> ComplexArray:
     """Return the poles of the equivalent linear systems within a window, (structure, pole).
@@ -126,19 +129,39 @@ def modes_of_structure(
 def _with_windows(
     modes: ModalSet, fit: StructureFit, order: NDArray[np.intp], exponents: ComplexArray, count: int, step: Second
 ) -> ModalSet:
-    """Return the modes with what the choice of the stretch does to each pole in its covariance.
+    """Return the modes with what the choice of the stretch does to each pole in its covariance, and that of a mean.
 
-    The stretch starts half a period of the slowest mode later, or ends a fifth earlier.
+    The stretch starts half a period of the slowest mode later, or ends a fifth earlier. Instead of the poles of
+    equivalent linear systems, the decrement and the frequency that the motion of the slowest mode has may be taken.
     """
     assert modes.covariance is not None
     covariance = modes.covariance.copy()
     half = min(int(np.pi / float(np.min(fit.theta.imag))), count // 2)
-    for window in (slice(half, count), slice(0, count - count // 5)):
-        changes = (mean_poles(fit, fit.structures, fit.motion, window)[0] - exponents)[order] / step
-        for mode, change in enumerate(changes):
+    means = [
+        mean_poles(fit, fit.structures, fit.motion, window)[0]
+        for window in (slice(half, count), slice(0, count - count // 5))
+    ]
+    for others in (*means, _decrement(fit, exponents)):
+        for mode, change in enumerate((others - exponents)[order] / step):
             at, parts = slice(2 * mode, 2 * mode + 2), np.array([change.real, change.imag])
             covariance[at, at] += np.outer(parts, parts)
     return replace(modes, covariance=covariance)
+
+
+def _decrement(fit: StructureFit, exponents: ComplexArray) -> ComplexArray:
+    """Return the exponents, (pole,), with that of the slowest mode as its motion has it from first cycle to last.
+
+    The states of faster modes follow the forces of the slowest in the end, and do not tell their own decay.
+    """
+    out, k = exponents.copy(), int(np.argmin(exponents.imag))
+    cycle, count = round(2 * np.pi / float(exponents[k].imag)), fit.motion.states.shape[2]
+    if count < DECREMENT_CYCLES * cycle:
+        return out
+    turned = fit.motion.states[0, k] * np.exp(-exponents[k] * np.arange(count))
+    first, last = np.mean(turned[:cycle]), np.mean(turned[-cycle:])
+    if abs(first) > 0 and abs(last) > 0:
+        out[k] += np.log(last / first) / (count - cycle)
+    return out
 
 
 def _dependence(
