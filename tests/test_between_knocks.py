@@ -1,15 +1,19 @@
 """What lies between knocks: a sensor that is handled, swings and is caught."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
-from suspid import Identification, Settings, analyse, identify
-from suspid.analysis.between_knocks import between_knocks, without_knocks
+from suspid import Settings, analyse, identify
+from suspid.analysis.between_knocks import between_knocks, smoothest
+from suspid.analysis.largest import _motions, of_largest
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.signals import Signal
 from suspid.units import RealArray
-from suspid.words import Level, Note
+from suspid.words import Level
 
 TIME = np.arange(2000) / 100
 RNG = np.random.default_rng(1)
@@ -51,42 +55,45 @@ def test_none_where_none_is_knocked_or_never_for_long() -> None:
     assert span(SWING[:60]) is None
 
 
-def used_of(start: float, stop: float, values: RealArray) -> Used:
-    part = cut(as_response(TIME, values[None], ["phone"]), start=start, stop=stop)
-    return Used(record=part, decays=(), used=(), notes=())
+def test_the_smoothest_channel_moves_most_beside_its_roughness() -> None:
+    values = np.array([SWING, 0.1 * SWING + 0.1 * RNG.standard_normal(TIME.size), np.zeros(TIME.size)])
+    signal = Signal(start=0.0, step=0.01, values=values, channels=("a", "b", "still"))
+    assert smoothest(signal, (2.0, 10.0)) == "a"
+    swapped = Signal(start=0.0, step=0.01, values=values[::-1].copy(), channels=("still", "b", "a"))
+    assert smoothest(swapped, (2.0, 10.0)) == "a"
 
 
-class TestWithoutKnocks:
-    values = knocked((0, 3), (17, 20))
-    record = as_response(TIME, values[None], ["phone"])
+def test_what_lies_between_is_tried_where_nothing_is_found() -> None:
+    record = as_response(TIME, knocked((0, 3), (17, 20), size=2.0)[None], ["a"])
+    (*_, last) = _motions(record, largest=True, beside=False)
+    assert (last.first, last.last) == pytest.approx((3.0, 16.99), abs=0.6)
+    assert last not in list(_motions(record, largest=True, beside=True))
+    none = identify(as_response(TIME, RNG.standard_normal((1, TIME.size)), ["a"]))
+    used = of_largest(record, Used(record=record, decays=(), used=(), notes=()), none, Settings())
+    assert used is not None
+    assert used.identification is not None
+    assert used.identification.modes.wn == pytest.approx([6.0], rel=1e-3)
+    assert used.identification.modes.zeta == pytest.approx([0.1 / 6.0], rel=0.05)
 
-    def tried(self, found: Identification, stretch: Used, settings: Settings | None = None) -> Used | None:
-        """Return what is used instead, where what lies between is sound."""
-        free = identify(as_response(TIME, SWING[None], ["phone"]))
-        between = used_of(3.5, 16.5, self.values)
-        again = without_knocks(self.record, found, stretch, settings or Settings(), lambda _: (free, None, between))
-        return None if again is None else again[1]
 
-    def test_nothing_or_what_is_doubtful_gives_way_to_what_is_beyond_doubt(self) -> None:
-        none = identify(as_response(TIME, RNG.standard_normal((1, TIME.size)), ["phone"]))
-        assert not len(none.modes)
-        used = self.tried(none, used_of(0.0, 2.5, self.values))
-        assert used is not None
-        assert [note.code for note in used.notes] == [Note.BETWEEN_KNOCKS]
-        assert self.tried(none, used_of(0.0, 2.5, self.values), Settings(start=1.0)) is None
+def test_a_motion_beyond_doubt_is_used_before_one_that_is_doubtful(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first is all of the record, hands and all; what is tried next lies between them."""
+    record = as_response(TIME, knocked((0, 3), (17, 20), size=2.0)[None], ["a"])
+    free, whole = identify(as_response(TIME, SWING[None], ["a"])), used_in(record, 0.0, 19.0)
+    poor = identify(cut(as_response(TIME, SWING[None], ["a"]), stop=1.5))
+    assert (free.verdict.level, poor.verdict.level) == (Level.SOUND, Level.DOUBTFUL)
+    each = iter([replace(whole, identification=poor), replace(used_in(record, 4.0, 16.0), identification=free)])
+    monkeypatch.setattr("suspid.analysis.largest._motions", lambda *_, **__: [None, None])
+    monkeypatch.setattr("suspid.analysis.largest._far_longer", lambda *_: False)
+    monkeypatch.setattr("suspid.analysis.largest._agreed", lambda *_, **__: next(each))
+    none = identify(as_response(TIME, RNG.standard_normal((1, TIME.size)), ["a"]))
+    used = of_largest(record, whole, none, Settings())
+    assert used is not None
+    assert used.identification is free
 
-    def test_what_is_beyond_doubt_stays_unless_it_is_of_a_knock_beside_as_much(self) -> None:
-        sound = identify(as_response(TIME, SWING[None], ["phone"]))
-        assert sound.verdict.level > Level.DOUBTFUL
-        assert self.tried(sound, used_of(5.0, 19.0, self.values)) is None
-        assert self.tried(sound, used_of(17.5, 19.5, self.values)) is not None
-        # A blow on what hangs still: between blows hardly anything moves.
-        assert self.tried(sound, used_of(17.5, 19.5, 100 * self.values)) is None
 
-    def test_what_is_doubtful_itself_is_no_better(self) -> None:
-        none = identify(as_response(TIME, RNG.standard_normal((1, TIME.size)), ["phone"]))
-        stretch = used_of(0.0, 2.5, self.values)
-        assert without_knocks(self.record, none, stretch, Settings(), lambda _: (none, None, stretch)) is None
+def used_in(record: Any, start: float, stop: float) -> Used:
+    return Used(record=cut(record, start=start, stop=stop), decays=(), used=(), notes=())
 
 
 @pytest.mark.slow

@@ -5,11 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.analysis.analysis import Analysis
-from suspid.analysis.between_knocks import without_knocks
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
 from suspid.analysis.far_larger import larger_elsewhere
@@ -235,22 +233,6 @@ def _check_types(car: object, settings: object) -> None:
 
 
 def _found(
-    record: control.TimeResponseData, settings: Settings, begin: Callable[[str], None], *, of_car: bool
-) -> tuple[Identification, Repeats | None, Used]:
-    """Return what is identified in a record, that of several decays jointly, and the part that is used.
-
-    Where that is doubtful, or has a knock within it, what lies between knocks is tried.
-    """
-    identification, repeats, stretch = _sought(record, settings, begin, of_car=of_car)
-    if repeats is None:
-        again = partial(_sought, settings=settings, begin=lambda _: None, of_car=of_car)
-        calm = without_knocks(record, identification, stretch, settings, again)
-        if calm is not None:
-            return calm[0], None, calm[1]
-    return identification, repeats, stretch
-
-
-def _sought(
     record: control.TimeResponseData, settings: Settings, begin: Callable[[str], None], *, of_car: bool
 ) -> tuple[Identification, Repeats | None, Used]:
     """Return what is identified in the best decay of a record, and that decay."""

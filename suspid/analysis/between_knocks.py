@@ -2,24 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from suspid.analysis.choice import level_of
-from suspid.analysis.settings import Settings
-from suspid.analysis.support import questioned
-from suspid.analysis.used import Used
-from suspid.identification import FEWEST_SAMPLES, Identification, Repeats
-from suspid.records import cut
-from suspid.signals import Signal, as_signal
+from suspid.signals import Signal, roughness
 from suspid.units import Second
-from suspid.words import Level, Note, Remark
-
-if TYPE_CHECKING:
-    import control
 
 # Parts of a record whose roughness is compared, of at least the second number of samples.
 ROUGH_PARTS, ROUGH_SAMPLES = 40, 8
@@ -28,8 +14,6 @@ ROUGH_PARTS, ROUGH_SAMPLES = 40, 8
 KNOCK = 6.0
 # What lies between knocks is this share of a record at least.
 MOST_BETWEEN = 1 / 3
-# What a knock makes decay is larger than this times what moves between knocks: what rests there moves far less.
-AS_MUCH = 0.1
 
 
 def between_knocks(signal: Signal) -> tuple[Second, Second] | None:
@@ -62,36 +46,8 @@ def between_knocks(signal: Signal) -> tuple[Second, Second] | None:
     return signal.start + signal.step * int(first), signal.start + signal.step * int(last)
 
 
-def without_knocks(
-    record: control.TimeResponseData,
-    found: Identification,
-    stretch: Used,
-    settings: Settings,
-    again: Callable[[control.TimeResponseData], tuple[Identification, Repeats | None, Used]],
-) -> tuple[Identification, Used] | None:
-    """Return what is found ``again`` between knocks where that is beyond doubt; None if what was found stays.
-
-    That stays if it is beyond doubt itself, unless it is of a knock, and as much moves between.
-    """
-    if not questioned(found, settings):
-        return None
-    between = between_knocks(as_signal(record))
-    if between is None or (between[1] - between[0]) / as_signal(record).step < FEWEST_SAMPLES:
-        return None
-    sure = level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
-    if sure and not _of_a_knock(as_signal(stretch.record), as_signal(record), between):
-        return None
-    other, repeats, used = again(cut(record, start=between[0], stop=between[1]))
-    if repeats is not None or level_of(other, used.used, used.decays) <= Level.DOUBTFUL:
-        return None
-    note = Remark(Note.BETWEEN_KNOCKS, {"start": between[0], "stop": between[1]})
-    return other, replace(used, notes=(note, *used.notes))
-
-
-def _of_a_knock(part: Signal, record: Signal, between: tuple[Second, Second]) -> bool:
-    """Return whether a part of a record lies before or after what is between knocks, and that moves as much."""
-    if part.timepts[0] < between[1] and part.timepts[-1] > between[0]:
-        return False
-    inside = record.values[:, (record.timepts >= between[0]) & (record.timepts <= between[1])]
-    rows = [record.channels.index(name) for name in part.channels]
-    return bool(np.any(np.ptp(inside[rows], axis=1) > AS_MUCH * np.ptp(part.values, axis=1)))
+def smoothest(signal: Signal, between: tuple[Second, Second]) -> str:
+    """Return the channel that moves most between two times, beside its roughness there."""
+    part = signal.values[:, (signal.timepts >= between[0]) & (signal.timepts <= between[1])]
+    rough = np.maximum([roughness(samples) for samples in part], 1e-12 * np.max(np.abs(part), axis=1))
+    return signal.channels[int(np.argmax(np.ptp(part, axis=1) / np.maximum(rough, 1e-300)))]

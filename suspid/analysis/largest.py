@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.analysis.between_knocks import between_knocks, smoothest
 from suspid.analysis.choice import damping_known, level_of, tried
 from suspid.analysis.far_larger import hardly_any, larger_elsewhere
 from suspid.analysis.longer import shared_modes
@@ -57,7 +58,7 @@ def of_largest(
 
     ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless it is doubtful
     and the record moves far more elsewhere, the decay has next to nothing of its motion, or swings shrink for most of
-    the record. The first start is used whose modes another shows too.
+    the record. The first start is used whose modes another shows too; a motion beyond doubt, if there is one.
     """
     if not questioned(found, settings):
         return None
@@ -66,13 +67,18 @@ def of_largest(
     beside = bool(len(found.modes))
     largest = not beside or hardly_any(record, stretch) or bool(larger_elsewhere(record, stretch))
     record = of_channels(record, as_signal(stretch.record).channels)
-    for motion in _motions(record, largest=largest):
+    doubtful: Used | None = None
+    for motion in _motions(record, largest=largest, beside=beside):
         used = _agreed(motion, settings, beside=beside and not _far_longer(motion, stretch))
-        if used is not None:
-            out = tuple(name for name in as_signal(record).channels if name not in as_signal(used.record).channels)
-            notes = (Remark(Note.FEWER_CHANNELS, {"names": out}),) if out else ()
-            return instead_of(stretch, replace(used, decays=stretch.decays, notes=(*notes, *used.notes)))
-    return None
+        if used is None:
+            continue
+        out = tuple(name for name in as_signal(record).channels if name not in as_signal(used.record).channels)
+        notes = (Remark(Note.FEWER_CHANNELS, {"names": out}),) if out else ()
+        used = instead_of(stretch, replace(used, decays=stretch.decays, notes=(*notes, *used.notes)))
+        if used.identification is not None and used.identification.verdict.level > Level.DOUBTFUL:
+            return used
+        doubtful = doubtful or used
+    return doubtful
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -85,10 +91,11 @@ class _Motion:
     shrinks: bool  # whether its swings shrink; else it stands out
 
 
-def _motions(record: control.TimeResponseData, *, largest: bool) -> Iterator[_Motion]:
+def _motions(record: control.TimeResponseData, *, largest: bool, beside: bool) -> Iterator[_Motion]:
     """Yield what moves most in a record, or swings that shrink from the ``largest`` on; then those that do so for long.
 
-    These may be beside a larger knock, and are those of a single channel.
+    These may be beside a larger knock, and are those of a single channel. Last, unless there are modes ``beside`` it,
+    what lies between knocks, in all channels and in the one that moves most beside its roughness.
     """
     signal = as_signal(record)
     stands_out = _largest(signal) if largest else None
@@ -101,6 +108,10 @@ def _motions(record: control.TimeResponseData, *, largest: bool) -> Iterator[_Mo
     if run is not None and not known:
         channel, first, last = run
         yield _Motion(record=of_channels(record, [channel]), first=first, last=last, shrinks=True)
+    between = None if beside else between_knocks(signal)
+    if between is not None:
+        for names in [signal.channels, [smoothest(signal, between)]][: len(signal.channels)]:
+            yield _Motion(record=of_channels(record, names), first=between[0], last=between[1], shrinks=True)
 
 
 def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None:

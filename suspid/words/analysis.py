@@ -94,15 +94,6 @@ class Note(Code):
             )
         ),
     )
-    BETWEEN_KNOCKS = (
-        "between knocks",
-        sentence(
-            lambda n: (
-                f"knocks are left out: a decay is sought from {moment(float(str(n['start'])))} to "
-                f"{moment(float(str(n['stop'])))} s"
-            )
-        ),
-    )
     DECAYS_USED = (
         "decays used",
         sentence(
