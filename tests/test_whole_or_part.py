@@ -56,3 +56,12 @@ def test_a_part_without_a_decay_has_none() -> None:
     )
     assert not len(found.modes)
     assert "--decay auto" not in str(found.verdict)
+
+
+def test_what_stands_still_within_a_part_is_no_error() -> None:
+    """A hammer that strikes at .5 s: from the release on, its channel is constant, and the part has no mode."""
+    t, rng = np.arange(800) / 100, np.random.default_rng(3)
+    hammer = np.where((t > 0.5) & (t < 0.6), 1.0, 0.0)
+    values = np.array([hammer, rng.standard_normal(t.size)])
+    found = analyse(as_record(values, timepts=t), settings=Settings(start=0.2, stop=6.0))
+    assert not len(found.modes)

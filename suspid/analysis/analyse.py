@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -24,7 +25,7 @@ from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
 from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
-from suspid.errors import InputError
+from suspid.errors import InputError, SuspidError
 from suspid.files import naming
 from suspid.identification import (
     Identification,
@@ -124,9 +125,12 @@ def analyse(
         identification, repeats, stretch = _found(record, settings, begin, of_car=car is not None)
         part = part_asked_for(record, settings)
         if part is not None and settings.decay == "auto" and not len(identification.modes):
-            searched, settled = part, replace(settings, start=None, stop=None)
-            identification, repeats, stretch = _found(part, settled, lambda _: None, of_car=car is not None)
-            stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
+            # What is refused there, as a channel that stands still from its release on, leaves what was found.
+            with contextlib.suppress(SuspidError):
+                free = replace(settings, start=None, stop=None)
+                identification, repeats, stretch = _found(part, free, lambda _: None, of_car=car is not None)
+                stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
+                searched, settled = part, free
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settled.decay == "auto" and settled.start is settled.stop is None:
         notes += larger_elsewhere(searched, stretch)

@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.identification.covariance import inverse_information
 from suspid.identification.ongoing import STEADY
 from suspid.identification.selection import Selection
+from suspid.levels import SURE
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.words import Reason
 
@@ -52,19 +54,23 @@ def without_overtones(selection: Selection) -> Selection:
     """Return the poles of a record, of which those that hardly decay, at multiples of stronger tones, are no modes.
 
     A pendulum that is seen from the side moves up and down twice in a cycle. If it hardly decays, neither does that.
-    A tone is stronger that is so in one channel: another may be of the height alone.
+    Another channel may be of the height alone: there the tone need not be the stronger one, if both decay alike.
     """
     poles, count = selection.fit.poles.pairs, selection.fit.count
-    sizes = np.abs(selection.fit.amplitudes[: len(poles)])
+    sizes, strengths = np.abs(selection.fit.amplitudes[: len(poles)]), selection.fit.strengths[: len(poles)]
+    spread = np.sqrt(np.diag(inverse_information(selection.fit.information)))[: 2 * len(poles) : 2]
     reasons = list(selection.reasons)
     steady = [k for k in range(len(poles)) if reasons[k] in STEADY]
     for k in range(len(poles)):
         if reasons[k] is not None or -poles[k].real * count >= LASTING:
             continue
-        tones = poles.imag[[j for j in steady if np.any(sizes[j] > sizes[k])]]
-        off = np.abs(np.array(OVERTONES)[:, None] * tones - poles[k].imag)
-        if np.min(off, initial=np.inf) < OFF_TOOTH * 2 * np.pi / count:
-            reasons[k] = Reason.OF_TONE
+        for multiple in OVERTONES:
+            for j in steady:
+                near = abs(multiple * poles[j].imag - poles[k].imag) < OFF_TOOTH * 2 * np.pi / count
+                off = abs(multiple * poles[j].real - poles[k].real)
+                alike = off < SURE * np.hypot(multiple * spread[j], spread[k])
+                if near and (strengths[j] > strengths[k] or (alike and np.any(sizes[j] > sizes[k]))):
+                    reasons[k] = Reason.OF_TONE
     return replace(selection, reasons=tuple(reasons))
 
 
