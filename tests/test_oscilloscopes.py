@@ -100,6 +100,15 @@ class TestStatedAxis:
         path = self.above(tmp_path, unit="ms", step=3.2e-7, digits=9)
         assert np.allclose(read_recording(path)["CH1"].timepts, self.STAMPS / 1e3, rtol=0, atol=1e-11)
 
+    def test_where_the_stated_step_is_that_of_the_stamps_they_are_seconds(self, tmp_path: Path) -> None:
+        path = self.above(tmp_path, unit="us", digits=9)
+        assert np.allclose(read_recording(path)["CH1"].timepts, self.STAMPS, rtol=0, atol=1e-9)
+
+    @pytest.mark.parametrize("unit", ["s/div", "Samples"])
+    def test_what_is_no_unit_of_time_is_none(self, unit: str, tmp_path: Path) -> None:
+        path = self.above(tmp_path, unit=unit, digits=9)
+        assert np.allclose(read_recording(path)["CH1"].timepts, self.STAMPS, rtol=0, atol=1e-9)
+
     def test_seconds_beside_the_rows(self, tmp_path: Path) -> None:
         recording = read_recording(self.beside(tmp_path, "s"))
         assert np.allclose(recording["column 5"].timepts, TIMES + 0.01, rtol=0, atol=1e-6)
@@ -114,7 +123,7 @@ class TestStatedAxis:
     def test_channels_without_an_axis_have_none(self, tmp_path: Path) -> None:
         path = tmp_path / "a.csv"
         rows = "".join(f"{y:.5f},{-y:.5f}\n" for y in RINGING)
-        path.write_text(f"Horizontal Units,s\nSampling Period,2e-3\nCH1,CH2\n{rows}", encoding="utf-8")
+        path.write_text(f"Horizontal Units,s\nSample Interval,2e-3\nCH1,CH2\n{rows}", encoding="utf-8")
         recording = read_recording(path)
         assert [(channel.name, channel.unit, channel.rate) for channel in recording.channels] == [
             ("CH1", "", 500.0),

@@ -333,3 +333,16 @@ def test_a_clock_of_a_telephone_is_no_channel(tmp_path: Path, name: str, per_sec
     found = read_recording(tmp_path / "a.csv")
     assert [channel.name for channel in found.channels] == ["z"]
     np.testing.assert_allclose(np.diff(found["z"].timepts), 0.02, rtol=1e-6)
+
+
+def test_of_a_column_without_a_name_it_is_guessed_that_it_is_a_time(tmp_path: Path) -> None:
+    """A profile in steps of 10 mm reads the same; ms is the only unit that fits."""
+    steps = np.arange(400)
+    values = np.exp(-0.01 * steps) * np.cos(0.2 * steps) + 1e-3 * np.random.default_rng(1).standard_normal(400)
+    path = tmp_path / "a.csv"
+    path.write_text("".join(f"{10 * k},{y:.5f}\n" for k, y in zip(steps, values, strict=True)), encoding="utf-8")
+    found = analyse(path)
+    assert found.modes.wn == pytest.approx([20.0], rel=2e-3)
+    assert found.verdict.level is Level.CARE
+    (check,) = [check for check in found.verdict.checks if check.remark.code is RecordCheck.GUESSED_UNIT]
+    assert "if it is another unit, or no time, all frequencies are wrong" in str(check)

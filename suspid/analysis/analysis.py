@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
 
 
+# Of what a unit of time is guessed that has no name.
+UNNAMED_TIME = re.compile(r"unit of 'column \d+'")
 # Notes on what was not used, which call for care with what was found.
 CALLS_FOR_CARE = {
     Note.ONE_OF_TESTS: RecordCheck.ONE_OF_TESTS,
@@ -238,7 +241,8 @@ def _of_recording(found: Analysis) -> Iterator[Check]:
     # A stated rate takes the place of what was guessed.
     guesses = () if found.recording is None or found.settings.fs is not None else found.recording.left_out
     for name, remark in guesses:
-        if remark.code is LeftOut.FINER_UNIT and remark.numbers["others"]:
+        # Of a column without a name, it is guessed too that it holds the time.
+        if remark.code is LeftOut.FINER_UNIT and (remark.numbers["others"] or UNNAMED_TIME.fullmatch(name)):
             guessed: dict[str, Number] = {"name": printable(name), **remark.numbers}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
     others = [str(check.remark.code) for check in against if check not in overridden]

@@ -17,6 +17,8 @@ LEAST_TICKS, MANY_STAMPS = 4, 50
 MANY_TICKS = 1000
 # Steps of a grid that is rounded differ by one unit of its last digit; those of a clock that jitters by this many.
 TWO_DIGITS = 1.5
+# Usual steps before which the first stamp of such a clock is.
+FIRST_STEPS = 2.0
 # Parts of a record in which a clock runs have the same mean step within this; most steps lie this near the usual one.
 # Trackers that send when they can need the second, a counter of chance events has more.
 ONE_PACE, UNSTEADY = 0.06, 0.6
@@ -90,17 +92,20 @@ def counts_in_steps(stamps: RealArray) -> bool:
 def jitters_at_one_pace(stamps: RealArray) -> bool:
     """Whether numbers are those of a clock with decimals that jitters: an axis that is driven goes in even steps.
 
+    It begins with the record: what drifts has a level, as a temperature does.
+
     Examples
     --------
     >>> stamps = np.cumsum(np.random.default_rng(1).uniform(0.023, 0.027, 100))
-    >>> jitters_at_one_pace(stamps), jitters_at_one_pace(np.arange(100) / 40)
-    (True, False)
+    >>> [jitters_at_one_pace(numbers) for numbers in (stamps, 20 + stamps, np.arange(100) / 40)]
+    [True, False, False]
     """
     if stamps.size < MANY_STAMPS or not np.all(np.isfinite(stamps)):
         return False
     stamps = continued(stamps)[0]
     steps = np.diff(stamps)
-    return keeps_pace(stamps) and are_even(steps) and float(np.ptp(steps)) > TWO_DIGITS * resolution(stamps)
+    begins = abs(float(stamps[0])) < FIRST_STEPS * float(np.median(np.abs(steps)))
+    return begins and keeps_pace(stamps) and are_even(steps) and float(np.ptp(steps)) > TWO_DIGITS * resolution(stamps)
 
 
 def filled(stamps: RealArray) -> int:

@@ -66,9 +66,10 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         if cells[0].lower() == "y_unit_label" and len(cells) >= len(names):
             units |= dict(zip(names[1:], cells[1:], strict=False))
             break
+    rates = beside | _rates(others.values(), columns.dialect)
     # Oscilloscopes write the time first.
     axis = columns.kinds.index("number") if columns.kinds.count("number") > 1 else None
-    if axis is not None and names[axis] not in units and (unit := axis_unit(head, columns, axis)):
+    if axis is not None and names[axis] not in units and (unit := axis_unit(head, columns, axis, rates.values())):
         units[names[axis]] = unit
     return Layout(
         dialect=columns.dialect,
@@ -76,7 +77,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         units=units,
         kinds=dict(zip(names, columns.kinds, strict=True)),
         first=first,
-        rates=beside | _rates(others.values(), columns.dialect),
+        rates=rates,
         left_out={**_listed(others), **renamed},
     )
 

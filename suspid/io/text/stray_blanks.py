@@ -23,6 +23,11 @@ def with_tabs(text: bytes, *, within: int) -> bytes:
     --------
     >>> with_tabs(b"t seat\n0 5\n1\t6\n2\t7\n3  8\n4\t9\n", within=100)
     b't seat\n0\t5\n1\t6\n2\t7\n3\t8\n4\t9\n'
+
+    Numbers between the rows that do not go on as they do are a remark:
+
+    >>> with_tabs(b"1\t6\n2\t7\n40 2\n3\t8\n", within=100)
+    b'1\t6\n2\t7\n40 2\n3\t8\n'
     """
     first = TAB_ROW.search(text, 0, within)
     if first is None:
@@ -40,7 +45,15 @@ def with_tabs(text: bytes, *, within: int) -> bytes:
         text = text[:stop] + _tabbed(below[0]) + text[below.end() :]
     if text.count(b"\t", start, stop) == marks * text.count(b"\n", start, stop):
         return text
-    return text[:start] + row.sub(lambda found: _tabbed(found[0]), text[start:stop]) + text[stop:]
+    rows = text[start:stop]
+
+    def within_rows(found: re.Match[bytes]) -> bytes:
+        before = rows[max(0, found.start() - within) : max(0, found.start() - 1)].split(b"\n")[-1]
+        after = rows[found.end() + 1 : found.end() + within].split(b"\n", 1)[0]
+        # A remark in numbers is none of them.
+        return _tabbed(found[0]) if not (before and after) or _goes_on([before, found[0], after]) else found[0]
+
+    return text[:start] + row.sub(within_rows, rows) + text[stop:]
 
 
 def _tabbed(row: bytes) -> bytes:
