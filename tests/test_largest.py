@@ -215,6 +215,25 @@ def test_another_mode_late_in_a_motion_does_not_tell_its_damping() -> None:
     assert _as_damped_later([first, last])
 
 
+@pytest.mark.parametrize(("hum", "used"), [(1.0, True), (0.3, False)])
+def test_a_smaller_motion_beside_a_doubtful_decay_is_not_tried(
+    hum: float, used: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fan whose tone falls slowly, and a blow in the middle of it, of which the modes are doubtful."""
+    time, noise = TestOfLargest.t, TestOfLargest.noise
+    since = np.maximum(time - 2, 0)
+    blow = np.where(time > 2, 2 * np.exp(-6 * since) * np.sin(100 * since), 0.0)
+    record = as_response(time, (hum * np.exp(-0.03 * time) * np.sin(12 * time) + blow + noise)[None], ["body"])
+    doubtful = Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL)
+    monkeypatch.setattr("suspid.analysis.choice.doubts_of", lambda *_: (doubtful,))
+    part = cut(record, start=2.0, stop=4.0)
+    found = identify(as_response(time[:200], (blow[200:400] + noise[:200])[None], ["body"]))
+    assert len(found.modes)
+    stretch = Used(record=part, decays=(), used=(), notes=())
+    monkeypatch.setattr("suspid.analysis.largest._plain", lambda _, level: level is Level.DOUBTFUL)
+    assert (of_largest(record, stretch, found, Settings()) is not None) is used
+
+
 @pytest.mark.parametrize(("short", "used"), [(True, True), (False, False)])
 def test_swings_that_shrink_far_longer_than_a_doubtful_stretch_are_used_doubtful(
     short: bool, used: bool, monkeypatch: pytest.MonkeyPatch

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import Settings, analyse, as_record
+from suspid import Settings, analyse, as_record, identify
+from suspid.analysis.longer import surer
 from suspid.units import RealArray
 from suspid.words import Level, Note
 
@@ -65,3 +66,17 @@ def test_what_stands_still_within_a_part_is_no_error() -> None:
     values = np.array([hammer, rng.standard_normal(t.size)])
     found = analyse(as_record(values, timepts=t), settings=Settings(start=0.2, stop=6.0))
     assert not len(found.modes)
+
+
+def test_a_surer_result_has_the_same_modes_and_is_not_doubtful() -> None:
+    t = np.arange(2000) / 100
+    swing = np.exp(-0.1 * t) * np.sin(6 * t) + 0.003 * np.random.default_rng(1).standard_normal(t.size)
+    sound, doubtful = (identify(as_record(swing[:count], timepts=t[:count])) for count in (2000, 150))
+    other = identify(as_record(swing + np.exp(-0.2 * t) * np.sin(31 * t), timepts=t))
+    assert [one.verdict.level for one in (sound, doubtful, other)] == [Level.SOUND, Level.DOUBTFUL, Level.SOUND]
+    assert surer(sound, doubtful)
+    assert not surer(doubtful, doubtful)
+    assert not surer(sound, sound)
+    assert not surer(other, doubtful)
+    assert not surer(None, doubtful)
+    assert not surer(sound, None)

@@ -45,6 +45,8 @@ AGREE, AGREE_DOUBTFUL = 1, 2
 LONG, FEWER_STARTS, LONGEST_TRIED = 50_000, (0.0, 0.1, 0.4), 250_000
 # Swings that shrink for this many times as long as a stretch whose modes are doubtful may be doubtful themselves.
 FAR_LONGER = 4.0
+# Where something is found, another motion is tried that is larger than this times the motion of that stretch.
+AS_LARGE = 0.5
 # A mode that is damped by less makes three cycles before it has fallen to a fifth: others may be what is still held.
 LASTING_ZETA = 0.08
 # A fit explains this share of the energy of a channel where its modes are the largest motion.
@@ -69,6 +71,8 @@ def of_largest(
     record = of_channels(record, as_signal(stretch.record).channels)
     doubtful: Used | None = None
     for motion in _motions(record, largest=largest, beside=beside):
+        if beside and not _as_large(motion, stretch):
+            continue
         used = _agreed(motion, settings, beside=beside and not _far_longer(motion, stretch))
         if used is None:
             continue
@@ -139,6 +143,14 @@ def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None
             notes = (Remark(Note.LARGEST_USED, said),)
             return Used(record=parts[k], decays=(), used=(), notes=notes, identification=tries[k])
     return None
+
+
+def _as_large(motion: _Motion, stretch: Used) -> bool:
+    """Return whether a motion is as large as that of the stretch that is used, in a channel: a hum beside it is not."""
+    part, other = as_signal(stretch.record), as_signal(cut(motion.record, start=motion.first, stop=motion.last))
+    sizes = dict(zip(part.channels, np.ptp(part.values, axis=1), strict=True))
+    moves = zip(other.channels, np.ptp(other.values, axis=1), strict=True)
+    return any(size > AS_LARGE * sizes.get(name, np.inf) for name, size in moves)
 
 
 def _far_longer(motion: _Motion, stretch: Used) -> bool:
