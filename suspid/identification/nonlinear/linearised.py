@@ -151,16 +151,19 @@ def _with_windows(
 def _decrement(fit: StructureFit, exponents: ComplexArray) -> ComplexArray:
     """Return the exponents, (pole,), with that of the slowest mode as its motion has it from first cycle to last.
 
-    The states of faster modes follow the forces of the slowest in the end, and do not tell their own decay.
+    The last is that in which it is seen above the noise. The states of faster modes follow the forces of the slowest in
+    the end, and do not tell their own decay.
     """
     out, k = exponents.copy(), int(np.argmin(exponents.imag))
     cycle, count = round(2 * np.pi / float(exponents[k].imag)), fit.motion.states.shape[2]
-    if count < DECREMENT_CYCLES * cycle:
+    seen = [_seen(fit, slice(a, a + cycle))[k] for a in range(0, count - cycle + 1, cycle)]
+    end = cycle * (seen.index(False) if False in seen else len(seen))
+    if end < DECREMENT_CYCLES * cycle:
         return out
-    turned = fit.motion.states[0, k] * np.exp(-exponents[k] * np.arange(count))
+    turned = fit.motion.states[0, k, :end] * np.exp(-exponents[k] * np.arange(end))
     first, last = np.mean(turned[:cycle]), np.mean(turned[-cycle:])
     if abs(first) > 0 and abs(last) > 0:
-        out[k] += np.log(last / first) / (count - cycle)
+        out[k] += np.log(last / first) / (end - cycle)
     return out
 
 
