@@ -310,6 +310,16 @@ class TestRoundedAndClipped:
         with pytest.raises(RecordError, match=r"clipped: \d+ samples .* consecutive from t = "):
             identify(as_response(clean.time, np.clip(clean.y, -limit, limit), clean.output_labels))
 
+    def test_a_start_after_the_last_clipped_sample_is_advised_where_samples_are_left(self) -> None:
+        time = np.arange(1000) / 500
+        swing = np.sin(12 * time) * np.exp(-0.5 * time)
+        for values, advice in (
+            (swing, "start the record after t = "),
+            (swing[::-1], "record it again with a larger ra"),
+        ):
+            with pytest.raises(RecordError, match=advice):
+                identify(as_response(time, np.clip(values, -0.6, 0.6)[None], ["seat"]))
+
     @pytest.mark.parametrize("bits", [8, 12])
     def test_a_coarse_converter_is_not_clipping(self, bits: int) -> None:
         clean = free_decay(cars.PAPER, np.arange(5000) / 500, initial_state={"v_tire": 1.0})

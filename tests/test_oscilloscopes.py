@@ -107,6 +107,7 @@ class TestStatedAxis:
     @pytest.mark.parametrize("unit", ["s/div", "Samples"])
     def test_what_is_no_unit_of_time_is_none(self, unit: str, tmp_path: Path) -> None:
         path = self.above(tmp_path, unit=unit, digits=9)
+        path.write_text(path.read_text("utf-8").replace("Sample Interval", "Trigger"), encoding="utf-8")
         assert np.allclose(read_recording(path)["CH1"].timepts, self.STAMPS, rtol=0, atol=1e-9)
 
     def test_seconds_beside_the_rows(self, tmp_path: Path) -> None:

@@ -121,7 +121,6 @@ def analyse(
         opened = _read(source, car, settings)
         begin(STEPS[1])
         record = held(opened.cleaned, "record")
-        searched, settled = record, settings
         identification, repeats, stretch = _found(record, settings, begin, of_car=car is not None)
         part = part_asked_for(record, settings)
         if part is not None and settings.decay == "auto" and not len(identification.modes):
@@ -130,10 +129,9 @@ def analyse(
                 free = replace(settings, start=None, stop=None)
                 identification, repeats, stretch = _found(part, free, lambda _: None, of_car=car is not None)
                 stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
-                searched, settled = part, free
     notes = [*opened.notes, *stretch.notes]
-    if repeats is None and settled.decay == "auto" and settled.start is settled.stop is None:
-        notes += larger_elsewhere(searched, stretch)
+    if repeats is None and settings.decay == "auto" and part is None:
+        notes += larger_elsewhere(record, stretch)
     springs = Springs()
     if car is not None:
         begin(STEPS[3])

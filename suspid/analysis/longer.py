@@ -171,15 +171,15 @@ def _goes_on(record: control.TimeResponseData, best: Used) -> NDArray[np.bool_]:
 def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
 
-    Where the other is doubtful, or has a trace of something else, forces may explain the longer one instead; or it has
-    the same modes, of which a part with fewer cycles tells less. It has all modes of the other unless that is doubtful,
-    or explains its part as well; and more modes that are well known or as good a verdict.
+    Where the other is doubtful, or has a trace of something else, forces may explain the longer one instead. It has all
+    modes of the other unless that is doubtful, or explains its part as well; and more modes that are well known or as
+    good a verdict.
     """
     if longer.verdict.level is Level.DOUBTFUL:
         return False
     traced = found is not None and any(c.remark.code is Reason.TRACE for c in found.considered)
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL or traced:
-        return settled(longer) or explained_by_forces(longer) or surer(longer, found)
+        return settled(longer) or explained_by_forces(longer)
     if not settled(longer):
         return False
     modes = found.modes
