@@ -45,7 +45,8 @@ AGREE, AGREE_DOUBTFUL = 1, 2
 LONG, FEWER_STARTS, LONGEST_TRIED = 50_000, (0.0, 0.1, 0.4), 250_000
 # Swings that shrink for this many times as long as a stretch whose modes are doubtful may be doubtful themselves.
 FAR_LONGER = 4.0
-# Where something is found, another motion is tried that is larger than this times the motion of that stretch.
+# Where modes are found that only their stretch makes doubtful, another motion is tried that is larger than this times
+# that of the stretch.
 AS_LARGE = 0.5
 # A mode that is damped by less makes three cycles before it has fallen to a fifth: others may be what is still held.
 LASTING_ZETA = 0.08
@@ -71,7 +72,8 @@ def of_largest(
     record = of_channels(record, as_signal(stretch.record).channels)
     doubtful: Used | None = None
     for motion in _motions(record, largest=largest, beside=beside):
-        if beside and not _as_large(motion, stretch):
+        # Modes that are doubtful of themselves, as those of the hand that catches a swing, may be larger.
+        if beside and found.verdict.level > Level.DOUBTFUL and not _as_large(motion, stretch):
             continue
         used = _agreed(motion, settings, beside=beside and not _far_longer(motion, stretch))
         if used is None:
