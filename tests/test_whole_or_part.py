@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from suspid import Settings, analyse, as_record, identify
-from suspid.analysis.longer import surer
+from suspid.analysis.stretch import _surer
 from suspid.units import RealArray
 from suspid.words import Level, Note
 
@@ -74,9 +74,9 @@ def test_a_surer_result_has_the_same_modes_and_is_not_doubtful() -> None:
     sound, doubtful = (identify(as_record(swing[:count], timepts=t[:count])) for count in (2000, 150))
     other = identify(as_record(swing + np.exp(-0.2 * t) * np.sin(31 * t), timepts=t))
     assert [one.verdict.level for one in (sound, doubtful, other)] == [Level.SOUND, Level.DOUBTFUL, Level.SOUND]
-    assert surer(sound, doubtful)
-    assert not surer(doubtful, doubtful)
-    assert not surer(sound, sound)
-    assert not surer(other, doubtful)
-    assert not surer(None, doubtful)
-    assert not surer(sound, None)
+    assert _surer(sound, doubtful)
+    assert not _surer(doubtful, doubtful)
+    assert not _surer(sound, sound)
+    assert not _surer(other, doubtful)
+    assert not _surer(None, doubtful)
+    assert not _surer(sound, None)

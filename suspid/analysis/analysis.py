@@ -22,6 +22,7 @@ from suspid.identification import (
     verdict_of,
     verdict_of_repeats,
 )
+from suspid.io import UNNAMED_COLUMN
 from suspid.levels import LEVEL
 from suspid.model import ModalSet
 from suspid.reconstruction import Reconstruction, tables_of_reconstruction
@@ -37,8 +38,8 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
 
 
-# Of what a unit of time is guessed that has no name.
-UNNAMED_TIME = re.compile(r"unit of 'column \d+'")
+# A unit of time that is guessed of a column without a name.
+UNNAMED_TIME = re.compile(f"unit of '{UNNAMED_COLUMN.pattern}'")
 # Notes on what was not used, which call for care with what was found.
 CALLS_FOR_CARE = {
     Note.ONE_OF_TESTS: RecordCheck.ONE_OF_TESTS,

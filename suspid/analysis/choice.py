@@ -22,7 +22,15 @@ from suspid.decays import (
     unexplained,
 )
 from suspid.errors import SuspidError
-from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one, residual_of_part
+from suspid.identification import (
+    FORCED,
+    Identification,
+    cycles_seen,
+    identify,
+    identify_linear,
+    lag_one,
+    residual_of_part,
+)
 from suspid.levels import likely
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
@@ -166,10 +174,9 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
 
 def _cycles(found: Identification) -> float:
     """Return the least number of cycles of a mode before the record ends, or before it has died away; 0 without one."""
-    poles, duration = found.modes.poles, as_signal(held(found, "response")).duration
-    turning = poles[poles.imag > 0]
-    lasting = np.minimum(duration, DIED_AWAY / np.abs(turning.real).clip(1e-300))
-    return float(np.min(turning.imag * lasting, initial=np.inf) / (2 * np.pi)) if turning.size else 0.0
+    turning = found.modes.poles.imag > 0
+    cycles = cycles_seen(found.modes, as_signal(held(found, "response")).duration, nepers=DIED_AWAY)[turning]
+    return float(np.min(cycles)) if cycles.size else 0.0
 
 
 def _never_swings(decay: Decay, found: Identification) -> tuple[Check, ...]:

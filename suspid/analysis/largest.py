@@ -61,7 +61,8 @@ def of_largest(
 
     ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless it is doubtful
     and the record moves far more elsewhere, the decay has next to nothing of its motion, or swings shrink for most of
-    the record. The first start is used whose modes another shows too; a motion beyond doubt, if there is one.
+    the record. Of each motion, the first start is used whose modes another shows too; a motion beyond doubt comes
+    before one that is doubtful.
     """
     if not questioned(found, settings):
         return None
@@ -123,7 +124,8 @@ def _motions(record: control.TimeResponseData, *, largest: bool, beside: bool) -
 def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None:
     """Return the first part of a motion whose modes another start shows too; None if there is none.
 
-    Where there are doubtful modes ``beside`` it, only one that is not doubtful.
+    Rather one that has no heavily damped modes, or only such as half of the starts show. Where there are doubtful modes
+    ``beside`` it, only one that is not doubtful.
     """
     length = motion.last - motion.first
     count = length / as_signal(motion.record).step
@@ -136,14 +138,17 @@ def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None
         return None
     levels = ((Level.CARE, AGREE),) if beside else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
-        agreeing = [_agreeing(one, tries, level) if one is not None and _plain(one, level) else -1 for one in tries]
-        # What only few starts show of heavily damped poles is what lets the motion go.
-        half = [_lasts(one) or number >= len(tries) // 2 for one, number in zip(tries, agreeing, strict=True)]
-        shown = [k for k, number in enumerate(agreeing) if number >= others]
-        for k in sorted(shown, key=lambda k: not half[k])[:1]:
-            said = {"start": as_signal(parts[k]).start, "stop": motion.last}
+        shown = [
+            (part, one, number)
+            for part, one in zip(parts, tries, strict=True)
+            if one is not None and _plain(one, level) and (number := _agreeing(one, tries, level)) >= others
+        ]
+        # Heavily damped modes that fewer than half of the starts show are what lets the motion go.
+        free = [each for each in shown if _lasts(each[1]) or each[2] >= len(tries) // 2]
+        for part, one, _ in (free or shown)[:1]:
+            said = {"start": as_signal(part).start, "stop": motion.last}
             notes = (Remark(Note.LARGEST_USED, said),)
-            return Used(record=parts[k], decays=(), used=(), notes=notes, identification=tries[k])
+            return Used(record=part, decays=(), used=(), notes=notes, identification=one)
     return None
 
 
@@ -186,9 +191,9 @@ def _plain(found: Identification, level: Level) -> bool:
     return damping_known(found)
 
 
-def _lasts(found: Identification | None) -> bool:
+def _lasts(found: Identification) -> bool:
     """Return whether every mode swings for some cycles before it has faded."""
-    return found is not None and bool(np.all(found.modes.zeta < LASTING_ZETA))
+    return bool(np.all(found.modes.zeta < LASTING_ZETA))
 
 
 def _follows(found: Identification, level: Level) -> bool:

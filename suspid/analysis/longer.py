@@ -198,13 +198,6 @@ def _shows_all(longer: Identification, used: Decay) -> bool:
     return bool(np.all(np.min(np.abs(modes[:, None] - wn), axis=1) < SAME_POLE * modes))
 
 
-def surer(longer: Identification | None, found: Identification | None) -> bool:
-    """Return whether an identification has the modes of one of its part that is doubtful, no others, and is not."""
-    if longer is None or found is None or longer.verdict.level is Level.DOUBTFUL:
-        return False
-    return found.verdict.level is Level.DOUBTFUL and min(shared_modes([longer, found])) == 1.0
-
-
 def shared_modes(found: Sequence[Identification | None]) -> list[float]:
     """Return which share of the modes of each identification one of the others has too."""
     poles = [np.zeros(0, complex) if one is None else one.modes.poles for one in found]

@@ -15,7 +15,7 @@ from suspid.analysis.first_rest import until_one_rests
 from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
-from suspid.analysis.longer import longer, shared_modes, surer, with_identification
+from suspid.analysis.longer import longer, shared_modes, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
@@ -118,7 +118,7 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         if late and not (part is not None and settled(part)):
             whole = tried(record, settings)
         pulse = part is not None and (clear[0].doubts or _doubtful(part)) and not swings(part.modes)
-        fewer_doubts = surer(whole, part)
+        fewer_doubts = _surer(whole, part)
         if part is not None and not pulse and not fewer_doubts and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
         if whole is None or not len(whole.modes):
@@ -167,6 +167,11 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
 
 def _doubtful(found: Identification | None) -> bool:
     return found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL
+
+
+def _surer(whole: Identification | None, part: Identification | None) -> bool:
+    """Return whether a fit to a whole record has the modes of one to its part, no others, and only that is doubtful."""
+    return _doubtful(part) and not _doubtful(whole) and min(shared_modes([whole, part])) == 1.0
 
 
 def _once_free(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:

@@ -57,10 +57,12 @@ def without_overtones(selection: Selection) -> Selection:
     Another channel may be of the height alone: there the tone need not be the stronger one, if both decay alike.
     """
     poles, count = selection.fit.poles.pairs, selection.fit.count
-    sizes, strengths = np.abs(selection.fit.amplitudes[: len(poles)]), selection.fit.strengths[: len(poles)]
-    spread = np.sqrt(np.diag(inverse_information(selection.fit.information)))[: 2 * len(poles) : 2]
     reasons = list(selection.reasons)
     steady = [k for k in range(len(poles)) if reasons[k] in STEADY]
+    if not steady:
+        return selection
+    sizes, strengths = np.abs(selection.fit.amplitudes[: len(poles)]), selection.fit.strengths[: len(poles)]
+    spread = np.sqrt(np.diag(inverse_information(selection.fit.information)))[: 2 * len(poles) : 2]
     for k in range(len(poles)):
         if reasons[k] is not None or -poles[k].real * count >= LASTING:
             continue

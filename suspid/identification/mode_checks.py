@@ -16,7 +16,7 @@ from suspid.identification.noise import LOUD
 from suspid.levels import SURE
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.units import Ratio, Second
+from suspid.units import Ratio, RealArray, Second
 from suspid.words import Check, Level, ModeCheck, Number, Reason, Remark
 
 if TYPE_CHECKING:
@@ -242,8 +242,21 @@ def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
 
 def swings_many_times(modes: ModalSet, duration: Second) -> NDArray[np.bool_]:
     """Return which modes make `MANY_CYCLES` before they have fallen to 1/e, or a record ends, (mode,)."""
-    lasting = np.minimum(duration, 1 / np.abs(modes.poles.real).clip(1e-300))
-    return np.asarray(np.abs(modes.poles.imag) * lasting > 2 * np.pi * MANY_CYCLES)
+    return np.asarray(cycles_seen(modes, duration, nepers=1.0) > MANY_CYCLES)
+
+
+def cycles_seen(modes: ModalSet, duration: Second, *, nepers: float) -> RealArray:
+    """Return how many cycles each mode makes before it has fallen by this much, or a record ends, (mode,).
+
+    Examples
+    --------
+    >>> from suspid import ModalSet
+    >>> modes = ModalSet(poles=np.array([-1 + 20j * np.pi]))
+    >>> cycles_seen(modes, 2.0, nepers=1.0).round(6), cycles_seen(modes, 2.0, nepers=3.0).round(6)
+    (array([10.]), array([20.]))
+    """
+    lasting = np.minimum(duration, nepers / np.abs(modes.poles.real).clip(1e-300))
+    return np.asarray(np.abs(modes.poles.imag) * lasting / (2 * np.pi))
 
 
 def numbers_of(which: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[int, ...]:

@@ -25,6 +25,7 @@ from suspid.identification.mode_checks import (
     check_pulses,
     check_resolution,
     check_rows,
+    cycles_seen,
     numbers_of,
     swings_many_times,
 )
@@ -204,9 +205,8 @@ def _one_shape(found: Identification) -> bool:
     """
     duration = as_signal(held(found, "response")).duration
     if len(found.modes) == 1:
-        pole, most = complex(found.modes.poles[0]), float(np.max(found.explained))
-        cycles = abs(pole.imag) * min(duration, np.log(10) / max(abs(pole.real), 1e-300)) / (2 * np.pi)
-        decays = -pole.real * duration > LEAST_SEEN_DECAY
+        cycles, most = cycles_seen(found.modes, duration, nepers=np.log(10))[0], np.max(found.explained)
+        decays = -found.modes.poles[0].real * duration > LEAST_SEEN_DECAY
         plain = decays and any(cycles > few and most > share for few, share in PLAINLY_SEEN)
         if plain or swings_many_times(found.modes, duration).all():
             return False

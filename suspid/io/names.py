@@ -53,6 +53,8 @@ CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
 COUNTERS |= {"frame", "frames", "framenumber", "frameno", "idx", "id", "point", "record", "scan", "rownumber", "rowid"}
+# Names of columns that have none.
+UNNAMED_COLUMN = re.compile(r"column \d+")
 # The index of a data frame, as pandas reads it again.
 UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
 # Characters of a name or of a line that patterns are tried on, whose time grows with their square. Longer ones are no

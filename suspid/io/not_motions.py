@@ -7,8 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from suspid.io.column_plan import ColumnPlan
-from suspid.io.names import counts_rows, is_abscissa, is_count, is_nth_count
-from suspid.io.time_columns import UNNAMED_COLUMN
+from suspid.io.names import UNNAMED_COLUMN, counts_rows, is_abscissa, is_count, is_nth_count
 from suspid.io.time_units import FEW_STAMPS, late_by, runs_beside
 from suspid.units import RealArray, Second
 from suspid.words import LeftOut, Remark
@@ -30,7 +29,7 @@ def counters_of(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> list[str]
     counters = [
         name
         for name in plan.channels
-        if _counts(name, columns[name]) or (columns[name].size >= MANY_ROWS and is_nth_count(columns[name]))
+        if counts_rows(name, columns[name]) or (columns[name].size >= MANY_ROWS and is_nth_count(columns[name]))
     ]
     first = next(iter(plan.followers), "")
     unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
@@ -133,6 +132,6 @@ def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:
     pace = (stamps[last] - stamps[first]) / (column[last] - column[first])
     # Most columns are none, as a few of their samples tell.
     few = known[:: max(1, known.size // 16)]
-    if np.any(np.abs((column[few] - column[first]) * pace - (stamps[few] - stamps[first])) > most):
-        return False
-    return runs_beside(column[first:] * pace, stamps[first:], most)
+    return runs_beside(column[few] * pace, stamps[few], most) and runs_beside(
+        column[first:] * pace, stamps[first:], most
+    )

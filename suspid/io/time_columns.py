@@ -24,6 +24,7 @@ from suspid.io.clock_numbers import (
 from suspid.io.names import (
     FREQUENCY_UNITS,
     PER_SECOND,
+    UNNAMED_COLUMN,
     bracketed_unit,
     counts_rows,
     is_abscissa,
@@ -50,8 +51,6 @@ TURNS = 10
 SIDES_OF_TWO, ONE_SIDE = 4, 0.5
 # Names of times that have a number each.
 NUMBERED_TIME = re.compile(r"(?:t|time|zeit)[\W_]*\d+", re.IGNORECASE)
-# Names of columns that have none.
-UNNAMED_COLUMN = re.compile(r"column \d+")
 
 
 def time_column(

@@ -129,10 +129,10 @@ def modes_of_structure(
 def _with_windows(
     modes: ModalSet, fit: StructureFit, order: NDArray[np.intp], exponents: ComplexArray, count: int, step: Second
 ) -> ModalSet:
-    """Return the modes with what the choice of the stretch does to each pole in its covariance, and that of a mean.
+    """Return the modes with what other choices do to each pole in its covariance.
 
-    The stretch starts half a period of the slowest mode later, or ends a fifth earlier. Instead of the poles of
-    equivalent linear systems, the decrement and the frequency that the motion of the slowest mode has may be taken.
+    The stretch may start half a period of the slowest mode later, or end a fifth earlier. For the slowest mode, the
+    decrement and the frequency of its motion may be taken instead of the poles of equivalent linear systems.
     """
     assert modes.covariance is not None
     covariance = modes.covariance.copy()

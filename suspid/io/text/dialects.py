@@ -113,10 +113,10 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     # The length of a number and its exponent do not matter, except in dates.
     plain_rows = [shape for shape in counted if NUMBER_ROW.fullmatch(shape) and not DATED.search(shape)]
     short = RUN.sub("1", TENS.sub(r"\1", "\n".join(plain_rows))).split("\n")
-    shape_of = dict(zip(plain_rows, short, strict=False))
+    shape_of = {shape: shape for shape in counted} | dict(zip(plain_rows, short, strict=False))
     alike = Counter[str]()
-    for shape in counted:
-        alike[str(shape_of.get(shape, shape))] += counted[shape]
+    for shape, often in counted.items():
+        alike[shape_of[shape]] += often
     return alike
 
 

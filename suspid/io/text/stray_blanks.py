@@ -9,8 +9,8 @@ import re
 SOME_DIGITS = rb"\d{1,40}"
 NUMERAL = rb"[+-]?(?:%b(?:[.,]\d{0,40})?|[.,]%b)(?:[eE][+-]?\d{1,3})?" % (SOME_DIGITS, SOME_DIGITS)
 TAB_ROW = re.compile(rb"(?m)^ {0,40}%b {0,40}(?:\t {0,40}%b {0,40})+$" % (NUMERAL, NUMERAL))
-# A line above or below the rows is one if its first number goes on as theirs do, to this share of their step: counts
-# and settings stand there as well.
+# A line beside rows is one if its first number goes on as theirs do, to this share of their step: counts, settings and
+# remarks stand there as well.
 NEAR_STEP = 0.5
 
 
@@ -29,7 +29,8 @@ def with_tabs(text: bytes, *, within: int) -> bytes:
     >>> with_tabs(b"1\t6\n2\t7\n40 2\n3\t8\n", within=100)
     b'1\t6\n2\t7\n40 2\n3\t8\n'
     """
-    first = TAB_ROW.search(text, 0, within)
+    # A look for tabs takes no time beside one for rows.
+    first = TAB_ROW.search(text, 0, within) if b"\t" in text[:within] else None
     if first is None:
         return text
     marks = first[0].count(b"\t")
