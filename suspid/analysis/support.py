@@ -16,7 +16,7 @@ from suspid.analysis.stretch import NO_CYCLE, swings
 from suspid.analysis.swelling import beyond_wave
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
-from suspid.decays import GRAVE, SAME_MODE, Decay, in_common
+from suspid.decays import GRAVE, SAME_MODE, SMALL, Decay, in_common, share_of
 from suspid.identification import Considered, Identification, swings_many_times
 from suspid.records import late_start, of_channels
 from suspid.samples import held
@@ -58,7 +58,7 @@ def supported(
     if on.any() and not on.all():
         found = _without(found, on, Remark(Reason.STANDS_STILL))
     lost = wave and (not stretch.used or level_of(found, stretch.used, stretch.decays) is Level.DOUBTFUL)
-    reason = Remark(Reason.SWELLS) if lost else _reason(found, stretch)
+    reason = Remark(Reason.SWELLS) if lost else _reason(found, stretch, whole)
     if reason is None:
         return found
     shown = np.zeros(len(found.modes), bool)
@@ -121,7 +121,7 @@ def questioned(found: Identification, settings: Settings) -> bool:
     return not chosen and found.method == "likelihood"
 
 
-def _reason(found: Identification, stretch: Used) -> Remark | None:
+def _reason(found: Identification, stretch: Used, whole: control.TimeResponseData | None) -> Remark | None:
     """Return the reason why the modes of an identification are none, if there is one."""
     used, decays = stretch.used, stretch.decays
     if level_of(found, used, decays) is not Level.DOUBTFUL:
@@ -135,8 +135,11 @@ def _reason(found: Identification, stretch: Used) -> Remark | None:
         return Remark(Reason.BY_CHANCE, unlike[0])
     if not used and not swings(found.modes):
         return Remark(Reason.NO_SWING)
-    weak = grave or _one_place(found) or (_short(used) if used else not _let_go(found, stretch))
-    return Remark(Reason.UNSUPPORTED) if weak and _alone(found) and not _again(found, stretch) else None
+    small = _small(used, whole)
+    weak = grave or small or _one_place(found) or (_short(used) if used else not _let_go(found, stretch))
+    # What needs forces too is checked by them, not by halves: of what moves elsewhere, they explain a stretch by chance.
+    alone = _alone(found) or (small and bool(found.forces))
+    return Remark(Reason.UNSUPPORTED) if weak and alone and not _again(found, stretch) else None
 
 
 def _long_checked(found: Identification, stretch: Used) -> bool:
@@ -148,6 +151,11 @@ def _long_checked(found: Identification, stretch: Used) -> bool:
 def _short(used: Sequence[Decay]) -> bool:
     """Return whether the stretch is shorter than two cycles of its slowest mode."""
     return any(doubt.code is DecayDoubt.TOO_SHORT for decay in used for doubt in decay.doubts)
+
+
+def _small(used: Sequence[Decay], whole: control.TimeResponseData | None) -> bool:
+    """Return whether nearly all of the motion of a record is elsewhere: of many stretches, one is a decay by chance."""
+    return whole is not None and any(share_of(as_signal(whole), decay) < SMALL for decay in used)
 
 
 def _let_go(found: Identification, stretch: Used) -> bool:

@@ -10,7 +10,7 @@ again).
 
 from suspid.decays.decay import FIT, GRAVE, LITTLE, Decay, Decays, by_chance
 from suspid.decays.find_decays import find_decays
-from suspid.decays.others import SAME_MODE, in_common, not_far_weaker
+from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, share_of
 from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
@@ -24,6 +24,7 @@ __all__ = [
     "LITTLE",
     "LOOK_BLOCKS",
     "SAME_MODE",
+    "SMALL",
     "TRIAL_PARTS",
     "Decay",
     "Decays",
@@ -34,5 +35,6 @@ __all__ = [
     "not_far_weaker",
     "releases_before",
     "rests_from",
+    "share_of",
     "unexplained",
 ]

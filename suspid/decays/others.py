@@ -36,7 +36,7 @@ def with_doubts_of_others(signal: Signal, decays: Sequence[Decay]) -> list[Decay
     out = []
     for decay in decays:
         codes = {doubt.code for doubt in decay.doubts}
-        share = _share(signal, decay) if codes & FIT else 1.0
+        share = share_of(signal, decay) if codes & FIT else 1.0
         doubts: tuple[Remark, ...] = (Remark(DecayDoubt.SMALL_PART, {"share": share}),) if share < SMALL else ()
         if codes and DecayDoubt.COMPANY not in codes:
             beside = not_far_weaker(decay, decays)
@@ -74,7 +74,7 @@ def same_modes(one: Decay, other: Decay) -> bool:
     return bool(len(fewer)) and bool(np.all(np.min(np.abs(fewer[:, None] / more - 1), axis=1) < SAME_MODES))
 
 
-def _share(signal: Signal, decay: Decay) -> float:
+def share_of(signal: Signal, decay: Decay) -> Ratio:
     """Return the share of the power of the speeds of a recording that is within a decay, the most of any channel."""
     size = block_size(signal.step, float(np.max(decay.wn, initial=0.0)) / (2 * np.pi) or np.inf)
     power = np.diff(block_means(signal.values, size), axis=1) ** 2
