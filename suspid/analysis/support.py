@@ -137,7 +137,7 @@ def _reason(found: Identification, stretch: Used, whole: control.TimeResponseDat
         return Remark(Reason.NO_SWING)
     small = _small(used, whole)
     weak = grave or small or _one_place(found) or (_short(used) if used else not _let_go(found, stretch))
-    # What needs forces too is checked by them, not by halves: of what moves elsewhere, they explain a stretch by chance.
+    # What needs forces is not checked by halves: of many stretches of driven motion, they explain one by chance.
     alone = _alone(found) or (small and bool(found.forces))
     return Remark(Reason.UNSUPPORTED) if weak and alone and not _again(found, stretch) else None
 
