@@ -71,6 +71,18 @@ class TestClipping:
             moved = np.exp(-0.008 * (k + late)) * np.cos(0.7 * (k + late))
             assert clipped_run(np.concatenate([np.ones(40), moved]), largest=True) is None
 
+    @pytest.mark.parametrize("seed", [50, 2411, 2582])
+    def test_a_crest_within_two_steps_is_not_clipped_and_a_flat_one_is(self, seed: int) -> None:
+        """Of 3000 videos of pendulums in pixels, three turn so; beside the turn they move by many in a picture."""
+        rng = np.random.default_rng(seed)
+        rate = float(rng.choice([30.0, 60.0, 100.0]))
+        time = np.arange(int(rng.uniform(10, 40) * rate)) / rate
+        size, wn, zeta = rng.uniform(300, 900), rng.uniform(3, 8), 10 ** rng.uniform(-2.7, -1.6)
+        swing = rng.uniform(0.2, 0.6) * size * np.exp(-zeta * wn * time) * np.cos(wn * time + rng.uniform(0, 6))
+        seen = np.round(swing + rng.normal(0, rng.choice([0.1, 0.3, 0.5]), time.size))
+        assert clipped_run(seen, largest=True) is clipped_run(seen, largest=False) is None
+        assert clipped_run(np.minimum(seen, 0.3 * np.max(seen)), largest=True) is not None
+
     def test_noise_of_a_few_steps_of_a_converter_is_not_clipped(self) -> None:
         rng = np.random.default_rng(1)
         noise = [np.round(0.6 * rng.standard_normal(3000)) for _ in range(20)]

@@ -1,11 +1,17 @@
 """Channels that spoil a result: a sensor that hardly moves, a mark of a video; they are left out, and that is said."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import control
 import numpy as np
 import pytest
 
-from suspid import RecordError, Settings, analyse
+from suspid import RecordError, Settings, analyse, identify
+from suspid.analysis.fewer_channels import with_fewer_channels
+from suspid.analysis.used import Used
+from suspid.records import as_response, of_channels
+from suspid.signals import as_signal
 from suspid.words import Level, Note, RecordCheck
 
 RATE = 113.0
@@ -101,3 +107,31 @@ def test_a_clipped_channel_beside_others_is_left_out(tmp_path: Path) -> None:
     assert note.numbers["channel"] == "chassis"
     with pytest.raises(RecordError, match="'chassis' is clipped"):
         analyse(path, settings=Settings(channels=("seat", "chassis")))
+
+
+@pytest.mark.parametrize(
+    ("loud", "left", "kept"), [(20.0, 3.0, ("x",)), (5.0, 3.0, ("x", "y")), (20.0, 1.5, ("x", "y"))]
+)
+def test_a_channel_beside_which_the_fit_to_others_is_far_closer_is_left_out(
+    loud: float, left: float, kept: tuple[str, ...]
+) -> None:
+    """The height of a pendulum, which forces of a fit follow at the cost of its swing; noise alone is no reason."""
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, TIME.size))
+    swing = np.exp(-0.3 * TIME) * np.cos(12 * TIME)
+    record = as_response(TIME, np.stack([swing, 0.3 * np.exp(-TIME)]) + noise, ["x", "y"])
+    both, alone = identify(record), identify(of_channels(record, ["x"]))
+    both = replace(
+        both,
+        modes=both.modes[both.modes.wn > 5],
+        loudness=np.array([loud]),
+        noise_std=both.noise_std * left,
+    )
+    assert both.verdict.level is Level.CARE
+
+    def of_one(part: control.TimeResponseData, _: Settings) -> Used:
+        assert as_signal(part).channels == ("x",)
+        return Used(record=part, decays=(), used=(), notes=(), identification=alone)
+
+    before = Used(record=record, decays=(), used=(), notes=(), identification=both)
+    after = with_fewer_channels(record, before, Settings(), of_one)
+    assert as_signal(after.record).channels == kept

@@ -150,3 +150,27 @@ class TestFlashes:
     @pytest.mark.parametrize("changed", [{"rate": 60.0}, {"cycles": 4.0}, {"every": 3}])
     def test_what_lasts_for_more_time_cycles_or_samples_is_not(self, changed: dict[str, float]) -> None:
         assert self.doubted(**changed) == []
+
+
+class TestAcrossASwing:
+    """A camera sees a pendulum go up and down twice in a cycle: the square of its swing, in another channel."""
+
+    @staticmethod
+    def seen(*, turned: float = 0.0, fades: float = 1.0) -> Identification:
+        """The rod is 400 long, the camera shakes sideways."""
+        time = np.arange(2000) / 60
+        swing, other = (
+            280 * np.exp(-0.05 * k * time) * np.cos(4.2 * time + 0.3 + turn) for k, turn in ((1, 0), (fades, turned))
+        )
+        values = np.stack([swing, 400 - np.sqrt(400**2 - other**2)])
+        noise = np.random.default_rng(1).standard_normal(values.shape) * [[2.0], [0.3]]
+        return identify(as_response(time, values + noise, ["x", "y"]))
+
+    def test_its_height_is_no_mode_and_neither_is_the_middle_of_that(self) -> None:
+        one = self.seen()
+        assert one.modes.wn == pytest.approx([4.2], rel=1e-3)
+        assert reasons(one)[1].startswith("2 times mode 1")
+
+    @pytest.mark.parametrize("other", [{"turned": 0.5}, {"fades": 0.5}])
+    def test_what_is_out_of_step_or_damped_otherwise_is_a_mode(self, other: dict[str, float]) -> None:
+        assert np.any(np.abs(self.seen(**other).modes.wn / 8.4 - 1) < 0.01)

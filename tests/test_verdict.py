@@ -313,22 +313,24 @@ class TestPoles:
         assert [check.level for check in checks] == [Level.DOUBTFUL] * said_so
 
     @pytest.mark.parametrize(
-        ("rates", "apart", "channels", "said_so"),
+        ("rates", "apart", "shapes", "said_so"),
         [
-            ((2.0, 0.4), 0.5, 1, True),
-            ((1.0, 0.4), 0.5, 1, False),
-            ((2.0, 0.4), 6.0, 1, False),
-            ((12.0, 2.0), 6.0, 1, False),
-            ((2.0, 0.4), 0.5, 2, False),
+            ((2.0, 0.4), 0.5, [[1.1, 0.1]], True),
+            ((1.0, 0.4), 0.5, [[1.1, 0.1]], False),
+            ((2.0, 0.4), 6.0, [[1.1, 0.1]], False),
+            ((12.0, 2.0), 6.0, [[1.1, 0.1]], False),
+            ((2.0, 0.4), 0.5, [[1.1, 0.1], [0.1, 1.1]], False),
+            ((2.0, 0.4), 0.5, [[1.1, 0.1], [44.0, 4.05]], True),
         ],
     )
-    def test_a_broad_mode_over_a_narrow_one_in_one_channel_may_be_one(
-        self, rates: tuple[float, float], apart: float, channels: int, *, said_so: bool
+    def test_a_broad_mode_over_a_narrow_one_of_the_same_shape_may_be_one(
+        self, rates: tuple[float, float], apart: float, shapes: list[list[float]], *, said_so: bool
     ) -> None:
-        """White noise beside them or not; two channels have shapes that tell."""
+        """White noise beside them or not; two channels have shapes that tell, unless one is the rate of the other."""
+        channels = len(shapes)
         poles = np.array([-rates[0] + 40.0j, -rates[1] + 1j * (40.0 + apart)])
         names = tuple(f"y{k}" for k in range(channels))
-        modes = ModalSet(poles=poles, shapes=np.asarray(np.eye(2)[:channels] + 0.1, complex), channels=names)
+        modes = ModalSet(poles=poles, shapes=np.asarray(shapes, complex), channels=names)
         time = np.asarray(STEP * np.arange(1000), float)
         record = as_response(time, np.real(modes.shapes @ np.exp(np.outer(poles, time))), names)
         found = replace(identify(record), modes=modes, loudness=np.ones(2), forces=(), considered=())

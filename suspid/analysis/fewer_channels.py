@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import level_of
+from suspid.analysis.choice import FAR_FROM_NOISE, level_of
 from suspid.analysis.forced_start import SAME_POLE
-from suspid.analysis.longer import with_identification
+from suspid.analysis.longer import shared_modes, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, without_channels
 from suspid.cleaning import is_clipped
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 # Where no mode was found, channels with less than this share of their energy outside half an octave about their peak
 # are tried alone, at most the second number: each takes the time of an analysis.
 STRAY, TRIED_ALONE = 0.1, 2
+# Of the channels that stay, a fit leaves this many times less: what crosses a swing, and moves twice a cycle,
+# bends it.
+FAR_CLOSER = 2.0
 # Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
 SHOWN_ALONE = (2, 3)
 
@@ -40,11 +43,12 @@ def with_fewer_channels(
     settings: Settings,
     stretch_of: Callable[[control.TimeResponseData, Settings], Used],
 ) -> Used:
-    """Return the part of a record that is used of fewer channels, if that of all is doubtful or has no mode.
+    """Return the part of a record that is used of fewer channels, if that of all is doubtful, has no mode, or is loose.
 
     First those are left out of whose motion the fit leaves too much, then all but the one of which it leaves least;
     where there is no mode, all but one that moves most at one frequency.
-    What is found then must be less doubtful. Where channels are named, all of those are used.
+    What is found then must be less doubtful, or be the same modes with far less left of the channels that stay. Where
+    channels are named, all of those are used.
     """
     if settings.channels is not None or settings.decay != "auto" or settings.method != "likelihood":
         return used
@@ -54,7 +58,7 @@ def with_fewer_channels(
     used = with_identification(used, settings)
     found = used.identification
     before = Level.NONE if found is None else level_of(found, used.used, used.decays)
-    if found is None or before > Level.DOUBTFUL:
+    if found is None or (before > Level.DOUBTFUL and np.max(found.loudness, initial=0.0) < FAR_FROM_NOISE):
         return used
     tries = _fewer(names, found.explained) if len(found.modes) else _alone(names, _beside_peak(found))
     for kept in tries:
@@ -65,12 +69,21 @@ def with_fewer_channels(
         again = with_identification(fewer, settings).identification
         if again is None or multiples_alone(found.modes, again.modes):
             continue
-        if level_of(again, fewer.used, fewer.decays) > before:
+        level = level_of(again, fewer.used, fewer.decays)
+        clearer = level > before if before <= Level.DOUBTFUL else level >= before and _far_closer(again, found)
+        if clearer:
             out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
             )
     return used
+
+
+def _far_closer(fewer: Identification, found: Identification) -> bool:
+    """Return whether a fit to fewer channels has the same modes and leaves far less of each channel."""
+    rows = [found.modes.channels.index(name) for name in fewer.modes.channels]
+    closer = np.all(FAR_CLOSER * fewer.noise_std < found.noise_std[rows])
+    return bool(closer) and min(shared_modes([fewer, found])) == 1.0
 
 
 def without_clipped(used: Used, settings: Settings) -> Used:

@@ -21,6 +21,8 @@ BESIDE = 20
 # other: a sensor that is read too often repeats each, but meets none again. A crest within one step has fallen by this
 # many at twice its length at most: four, and one for where the steps begin.
 MET_AGAIN, FALLEN_STEPS = 0.2, 5.0
+# A crest that is cut off by this many steps at most has lost nothing: noise of one step is as large.
+CUT_STEPS = 2.0
 # The first step from rest over the growth of the next is at most one half where the force is steady, and this where it
 # changes as in an eighth of a cycle. With more, most crests that are cut off seem to leave from rest.
 FROM_REST = 0.8
@@ -44,8 +46,9 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
         return None
     steps = np.abs(np.diff(samples))
     counts = after - first
-    left = ~_from_rest(samples, first, after, 3 * float(np.min(steps[steps > 0], initial=np.inf)))
-    left &= ~_slow_crests(samples, steps, first, after)
+    step = float(np.min(steps[steps > 0], initial=np.inf))
+    left = ~_from_rest(samples, first, after, 3 * step)
+    left &= ~_slow_crests(samples, steps, first, after) & ~_smooth_crests(samples, first, after, step)
     cut_off = left & (counts >= CLIPPED) & (counts <= 0.5 * samples.size)
     if not cut_off.any():
         return None
@@ -93,6 +96,22 @@ def _slow_crests(samples: RealArray, steps: RealArray, first: Indices, after: In
         np.abs(samples[at] - samples[first]) for at in (np.maximum(first - half, 0), np.minimum(after - 1 + half, last))
     ]
     return np.asarray(np.maximum(*fallen) <= FALLEN_STEPS * float(np.median(others[others > 0])))
+
+
+def _smooth_crests(samples: RealArray, first: Indices, after: Indices, step: float) -> NDArray[np.bool_]:
+    """Return which runs at a limit are the crest of the parabola through two samples on each side, (run,).
+
+    What is cut off there has no more than the ``step`` of a converter.
+    """
+    inside = (first >= 2) & (after + 2 <= samples.size)
+    before, past = np.where(inside, first - 1, 0), np.where(inside, after, 0)
+    inner, outer = samples[before] + samples[past], samples[before - 1] + samples[np.where(inside, after + 1, 0)]
+    half = (after - first + 1) / 2
+    bend = (outer - inner) / (2 * (2 * half + 1))
+    slope = (samples[past] - samples[before]) / (2 * half)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crest = inner / 2 - bend * half**2 - slope**2 / (4 * bend)
+        return np.asarray(inside & (np.abs(crest - samples[first]) <= CUT_STEPS * step))
 
 
 def _steps_beside(samples: RealArray, steps: RealArray, first: int, after: int) -> RealArray:

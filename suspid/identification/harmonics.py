@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from suspid.identification.likelihood import DecayFit
 from suspid.identification.selection import Selection
 from suspid.levels import SURE
 from suspid.model import ModalSet
@@ -24,6 +26,12 @@ HALF_AS_LARGE, LOW_ORDER, AS_RARELY = 0.5, 3, 0.02
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
 PRECISE = 0.01
+# What moves as the square of a swing is in step with it, to within this angle [rad], where it is the most of its
+# channel. Then it is enough if its frequency, and its rate, are known to these shares, and twice those of the swing to
+# the last two beyond chance: a mode of its own would lie so in one of a thousand structures.
+IN_STEP, KNOWN_IN_STEP, RATE_IN_STEP, OF_ARC = 0.3, 0.005, 0.3, (0.001, 0.1)
+# Where one is, a real pole is the middle of it if its rate is known to this share.
+MIDDLE_KNOWN = 0.5
 # A real pole is the middle of a swing that moves with its size if the standard deviation of its rate is below this
 # share of it: a higher one takes other real poles for it by chance.
 PRECISE_RATE = 0.2
@@ -45,6 +53,7 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
         others = [j for j in range(len(order)) if j != k and reasons[order[j]] is None]
         if any(
             _is_square(modes, j, k)
+            or _in_step(selection.fit, modes, order, j, k)
             or (strengths[k] < WEAK**2 * strengths[j] and _is_multiple(modes, j, k))
             or (strengths[k] < HALF_AS_LARGE**2 * strengths[j] and _is_near_multiple(modes, j, k))
             for j in others
@@ -57,7 +66,7 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
             stronger = [j for j in left if strengths[k] < WEAK**2 * strengths[j]]
             if reasons[number] is not None:
                 continue
-            if any(_is_multiple(modes, j, k, far=True) for j in stronger):
+            if any(_is_multiple(modes, j, k, far=True) for j in stronger) or any(_is_middle(modes, j, k) for j in left):
                 reasons[number] = Reason.HARMONIC
             elif any(_is_combination(modes, one, other, k) for one, other in itertools.permutations(stronger, 2)):
                 reasons[number] = Reason.COMBINATION
@@ -119,6 +128,35 @@ def _is_square(modes: ModalSet, one: int, other: int) -> bool:
     if not rate < PRECISE * -second.real or abs(second.real - 2 * first.real) > SURE * rate:
         return False
     return not second.imag or (turning < PRECISE * second.imag and abs(second.imag - 2 * first.imag) < SURE * turning)
+
+
+def _in_step(fit: DecayFit, modes: ModalSet, order: NDArray[np.intp], one: int, other: int) -> bool:
+    """Return whether the other mode is twice the pole of one, as far as is known, in step with its square elsewhere.
+
+    A pendulum moves up and down twice in a cycle, and the pull along its rod does: cameras and accelerometers see that.
+    """
+    first, second = complex(modes.poles[one]), complex(modes.poles[other])
+    if not (first.imag > 0 and second.imag > 0):
+        return False
+    turning, rate = _std(modes, one, other, 1, 2), _std(modes, one, other, 0, 2)
+    if not (turning < KNOWN_IN_STEP * second.imag and rate < RATE_IN_STEP * -second.real):
+        return False
+    # Large swings move along an arc, not along a parabola.
+    near = abs(second.imag - 2 * first.imag) < SURE * turning + OF_ARC[0] * second.imag
+    if not near or abs(second.real - 2 * first.real) > SURE * rate + OF_ARC[1] * -second.real:
+        return False
+    sizes = fit.amplitudes[order[[one, other]]] / np.sqrt(fit.squares + 1e-300)
+    most = np.argmax(np.abs(sizes), axis=1)
+    turned = np.angle(sizes[1, most[1]] * np.conj(sizes[0, most[0]]) ** 2)
+    return bool(most[0] != most[1] and abs(np.sin(turned)) < np.sin(IN_STEP))
+
+
+def _is_middle(modes: ModalSet, one: int, other: int) -> bool:
+    """Return whether the other mode is the middle of the square of one: real, at twice its rate as far as is known."""
+    first, second = complex(modes.poles[one]), complex(modes.poles[other])
+    rate = _std(modes, one, other, 0, 2)
+    near = abs(second.real - 2 * first.real) < SURE * rate + OF_ARC[1] * -second.real
+    return first.imag > 0 and second.imag == 0 and rate < MIDDLE_KNOWN * -second.real and near
 
 
 def _std(modes: ModalSet, one: int, other: int, part: int, factor: int) -> float:

@@ -14,6 +14,7 @@ from suspid.identification.combs import OVERTONES, repeated_in
 from suspid.identification.fitting import BENT
 from suspid.identification.noise import LOUD
 from suspid.levels import SURE
+from suspid.model import modal_assurance
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio, RealArray, Second
@@ -38,10 +39,10 @@ CYCLES_SEEN = 3.0
 # shape, and two more are told by frequency: a longer row is what a fit makes of a band of noise. A smaller first number
 # misses rows of which each second line is left out; a larger one takes the modes of a damped car for a row.
 SIDE_BY_SIDE, TOLD_BY_FREQUENCY = 2.0, 2
-# In one channel, two modes within a line of which one fades this many times as fast as the other are what a mode looks
-# like whose damping falls with its amplitude. A smaller number doubts pairs of close modes that are linear; those of
-# one structure have like damping.
-BROAD_BESIDE_NARROW = 3.0
+# Two modes of one shape (MAC) within a line, of which one fades this many times as fast as the other, are what a mode
+# looks like whose damping falls with its amplitude. A smaller number doubts pairs of close modes that are linear; those
+# of one structure have like damping. Of a motion and its rate, the shape is the pole.
+BROAD_BESIDE_NARROW, ONE_SHAPE = 3.0, 0.99
 # And their frequencies are this near: no damping moves one further.
 ONE_FREQUENCY = 1.1
 # A mode at a multiple of another is damped as that is, to this factor; its frequency is known to this share. Another
@@ -114,7 +115,7 @@ def check_resolution(found: Identification) -> Iterator[Check]:
 def check_parts(found: Identification) -> Iterator[Check]:
     """Check that no two modes lie as near each other as the parts of one that bends.
 
-    That counts where the fit leaves them loud, or where a single channel shows a broad line and a narrow one.
+    That counts where the fit leaves them loud, or where all channels see a broad line and a narrow one alike.
     """
     if found.forces:
         return
@@ -126,9 +127,10 @@ def check_parts(found: Identification) -> Iterator[Check]:
     parts = numbers_of(np.any(near & loud[:, None] & loud, axis=1))
     if parts:
         yield check_of(ModeCheck.PARTS, Level.DOUBTFUL, {"modes": parts})
-    elif len(found.noise_std) == 1:
+    elif found.modes.shapes is not None:
         broad = widths > BROAD_BESIDE_NARROW * np.minimum(rates[:, None], rates)
         alike = np.abs(size[:, None] - size) < np.log(ONE_FREQUENCY)
+        alike &= modal_assurance(found.modes.shapes, found.modes.shapes) > ONE_SHAPE
         parts = numbers_of(np.any(near & broad & alike, axis=1))
         if parts:
             yield check_of(ModeCheck.BROAD_AND_NARROW, Level.DOUBTFUL, {"modes": parts})

@@ -19,7 +19,7 @@ from suspid.model.found_parameters import FoundCar, FoundParameters, found_param
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
 from suspid.model.interval import Interval
-from suspid.model.matching import pole_distances
+from suspid.model.matching import modal_assurance, pole_distances
 from suspid.model.modal_table import modal_table
 from suspid.model.modes import ModalSet
 from suspid.model.outputs import FORCE, OutputRows, force_weights, names_channel, output_rows, output_weights
@@ -57,6 +57,7 @@ __all__ = [
     "found_parameters",
     "full_car",
     "half_car",
+    "modal_assurance",
     "modal_table",
     "names_channel",
     "output_rows",

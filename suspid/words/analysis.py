@@ -162,7 +162,7 @@ class Note(Code):
         "fewer channels",
         sentence(
             lambda n: (
-                f"{_channels(n)} left out: with all channels there is no clear result; name the channels to use them"
+                f"{_channels(n)} left out: with all channels the result is less clear; name the channels to use them"
             )
         ),
     )
@@ -226,7 +226,7 @@ class RecordCheck(Code):
         "fewer channels",
         sentence(
             lambda n: (
-                f"{_channels(n)[:1].upper()}{_channels(n)[1:]} left out: with all channels there is no clear result. "
+                f"{_channels(n)[:1].upper()}{_channels(n)[1:]} left out: with all channels the result is less clear. "
                 f"See whether they measure the motion of the same structure."
             )
         ),

@@ -162,8 +162,8 @@ class ModeCheck(Code):
         "broad and narrow",
         sentence(
             lambda n: (
-                f"{_modes(n['modes']).capitalize()} lie within the width of one line, and one fades much faster: in "
-                f"one channel, a single mode whose damping falls with its amplitude looks the same."
+                f"{_modes(n['modes']).capitalize()} lie within the width of one line, one fades much faster, and no "
+                f"channel tells them apart: a single mode whose damping falls with its amplitude looks the same."
             )
         ),
     )
