@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.io.tables import TimeBase
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
@@ -55,7 +56,15 @@ class Texts:
     texts: tuple[str, ...]
 
 
-Value: TypeAlias = "Variable | Text | Texts | Group | Remark"
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Clocked:
+    """Vectors that share a clock, whose name is that of their group; without one, they take the time of the file."""
+
+    vectors: Mapping[str, Variable]
+    clock: TimeBase | None
+
+
+Value: TypeAlias = "Variable | Text | Texts | Clocked | Group | Remark"
 # Content of a group by name: arrays, texts, further groups, or why something is left out.
 Group: TypeAlias = "Mapping[str, Value]"
 

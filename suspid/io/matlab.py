@@ -12,7 +12,7 @@ import math
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from pathlib import Path
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
+from suspid.io.iddata import of_iddata
 from suspid.io.labels import Group, Text, Value, Variable, of_cells
 from suspid.io.limits import check_memory, most_bytes
 from suspid.io.tables import Table
@@ -55,10 +56,6 @@ class ArrayClass(IntEnum):
 ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 NUMERIC_CLASSES = range(6, 16)
-OTHER_CLASSES = {
-    ArrayClass.OBJECT: LeftOut.OBJECT,
-    ArrayClass.SPARSE: LeftOut.SPARSE,
-}
 
 
 def read_matlab(path: Path) -> Table:
@@ -166,18 +163,35 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
     if class_code == ArrayClass.CHAR:
         kind, letters = next(parts, (0, b""))
         return text, _text(kind, letters, order)
+    if class_code == ArrayClass.OBJECT:
+        return text, _old_object(text, parts, shape, order, depth)
+    if class_code == ArrayClass.SPARSE:
+        return text, Remark(LeftOut.SPARSE)
     if class_code not in NUMERIC_CLASSES:
-        other = OTHER_CLASSES.get(class_code)
-        return text, Remark(LeftOut.CLASS, {"number": class_code}) if other is None else Remark(other)
+        return text, Remark(LeftOut.CLASS, {"number": class_code})
     return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & 0x08))
 
 
 def _object(name: str, parts: Iterator[tuple[int, bytes]]) -> Remark:
     """Return what is to be done about an object, of which the file tells the class behind that of its system."""
-    (_, system), (kind, of_class) = next(parts, (0, b"")), next(parts, (0, b""))
-    if system != b"MCOS" or kind not in (Item.INT8, Item.UTF8):
-        return Remark(LeftOut.OBJECT)
-    return Remark(LeftOut.CLASS_OBJECT, {"name": printable(of_class.decode("latin1")), "variable": printable(name)})
+    _, system = next(parts, (0, b""))
+    return _of_class(name, parts)[1] if system == b"MCOS" else Remark(LeftOut.OBJECT)
+
+
+def _old_object(name: str, parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, depth: int) -> Value:
+    """Return what an object of an old class holds: behind the name of its class, a file has it as a structure."""
+    of_class, unread = _of_class(name, parts)
+    fields = _structure(parts, shape, order, depth) if of_class == "iddata" else unread
+    return of_iddata(fields) if isinstance(fields, Mapping) else fields
+
+
+def _of_class(name: str, parts: Iterator[tuple[int, bytes]]) -> tuple[str, Remark]:
+    """Return the class that the next part of an object names, and what is to be done about one that is not read."""
+    kind, letters = next(parts, (0, b""))
+    if kind not in (Item.INT8, Item.UTF8):
+        return "", Remark(LeftOut.OBJECT)
+    of_class = printable(letters.decode("latin1"))
+    return of_class, Remark(LeftOut.CLASS_OBJECT, {"name": of_class, "variable": printable(name)})
 
 
 def _cells(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, depth: int) -> Value:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import RecordError
-from suspid.io.labels import Group, Text, Texts, Variable, labelled
+from suspid.io.labels import Clocked, Group, Text, Texts, Variable, labelled
 from suspid.io.names import PER_SECOND, is_time, split_unit, stated_rate
 from suspid.io.tables import Table, TimeBase
 from suspid.units import Hertz, RealArray
@@ -88,6 +88,10 @@ def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -
                 found.unusable[full] = Remark(LeftOut.GROUP_TIME)
             else:
                 _add(full, value, clock, time, found)
+        elif isinstance(value, Clocked):
+            own = None if value.clock is None else replace(value.clock, name=full)
+            for short, vector in value.vectors.items():
+                _add(joined(full, short), vector, own, None, found)
         elif _signals(value):
             _add_simulink(full, value, found)
         elif _is_testlab(value):
