@@ -282,3 +282,9 @@ class TestLimitsOfWhatMeasuresNothing:
         plan = ColumnPlan(channels=("part",), time="t", clocks={}, rate=None, left_out={})
         assert parts_of_seconds(plan, {"part": stamps % 1}, stamps) == {}
         assert repeated_times(plan, {"t": stamps, "part": stamps}) == {}
+
+    def test_a_rise_next_to_the_least_number_is_no_clock(self, tmp_path: Path) -> None:
+        """Damaged files hold such numbers."""
+        path = tmp_path / "a.csv"
+        path.write_text("t,x,y\n" + "".join(f"{k},{k}e-320,{np.cos(k)}\n" for k in range(60)), encoding="utf-8")
+        assert read_recording(path).names == ("x", "y")

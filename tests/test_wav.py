@@ -122,6 +122,35 @@ class TestDamage:
         content[4:8] = (len(content) - 8 + 1).to_bytes(4, "little")
         assert read_wav(put(tmp_path, bytes(content))).sizes == {"channel 1": 8}
 
+    @pytest.mark.parametrize("end", [b"\n", b"\0" * 7, b"\0" * 40, b"TAGbump" + b" " * 121])
+    def test_what_follows_the_stated_end_holds_no_sample(self, tmp_path: Path, end: bytes) -> None:
+        """An editor adds a line feed, a player a tag."""
+        table = read_wav(put(tmp_path, wav(np.arange(-4, 4, dtype=np.int16)) + end))
+        assert table.sizes == {"channel 1": 8}
+        assert (table.columns(["channel 1"])[0] * 32768).tolist() == list(range(-4, 4))
+        (said,) = table.unusable.items()
+        bytes_ = "1 byte" if len(end) == 1 else f"{len(end)} bytes"
+        assert " ".join(map(str, said)) == f"end of the file holds {bytes_} behind its last chunk, and no sample"
+
+    @pytest.mark.parametrize("end", [b"\n", b"\0" * 6])
+    def test_less_than_the_head_of_a_chunk_holds_no_sample_where_it_is_counted(
+        self, tmp_path: Path, end: bytes
+    ) -> None:
+        content = bytearray(wav(np.arange(8, dtype=np.int16)) + end)
+        content[4:8] = (len(content) - 8).to_bytes(4, "little")
+        assert read_wav(put(tmp_path, bytes(content))).sizes == {"channel 1": 8}
+
+    @pytest.mark.parametrize("more", [b"\xff" * 40, b"LIST\x90\0\0\0abcd"])
+    def test_what_the_file_counts_is_no_end(self, tmp_path: Path, more: bytes) -> None:
+        content = bytearray(wav(np.arange(8, dtype=np.int16)) + more)
+        content[4:8] = (len(content) - 8).to_bytes(4, "little")
+        with pytest.raises(RecordError, match="there should be a chunk|is cut off: its chunk 'LIST'"):
+            read_wav(put(tmp_path, bytes(content)))
+
+    def test_samples_behind_the_stated_end_are_not_lost(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="is cut off: its chunk 'data'"):
+            read_wav(put(tmp_path, wav(np.arange(8, dtype=np.int16)) + b"data" + struct.pack("<I", 8) + b"\0\0"))
+
     def test_no_sample(self, tmp_path: Path) -> None:
         with pytest.raises(RecordError, match="contains no sample"):
             read_wav(put(tmp_path, wav(np.zeros(0, np.int16))))

@@ -129,9 +129,11 @@ def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:
     if known.size < 2 or column[known[0]] == column[known[-1]]:
         return False
     first, last = known[0], known[-1]
-    pace = (stamps[last] - stamps[first]) / (column[last] - column[first])
     # Most columns are none, as a few of their samples tell.
     few = known[:: max(1, known.size // 16)]
-    return runs_beside(column[few] * pace, stamps[few], most) and runs_beside(
-        column[first:] * pace, stamps[first:], most
-    )
+    # Next to the least number, a rise is no pace.
+    with np.errstate(over="ignore", invalid="ignore"):
+        pace = (stamps[last] - stamps[first]) / (column[last] - column[first])
+        return runs_beside(column[few] * pace, stamps[few], most) and runs_beside(
+            column[first:] * pace, stamps[first:], most
+        )

@@ -16,6 +16,7 @@ from suspid.io.foreign import sheltered
 from suspid.io.tables import Table, TimeBase
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.words import LeftOut, Remark, count
 
 # Stated as the size where the writer did not know it, or where another chunk states it.
 UNKNOWN_SIZE = 0xFFFFFFFF
@@ -28,7 +29,9 @@ def read_wav(path: Path) -> Table:
     can hold, so that full scale is 1; floating point is not changed.
     """
     content = read_bytes(path, error=RecordError)
-    _check_chunks(content)
+    end = _end_of_chunks(content)
+    behind = len(content) - end
+    content = content[:end]
     rate, samples = sheltered(lambda: _read(content), extra="formats", suffix=path.suffix)
     if not rate > 0:
         raise RecordError(f"is damaged: it states a sampling rate of {rate} Hz")
@@ -43,6 +46,7 @@ def read_wav(path: Path) -> Table:
     return Table(
         sizes=dict.fromkeys(names, len(samples)),
         columns=columns,
+        unusable={"end of the file": Remark(LeftOut.BEHIND_CHUNKS, {"bytes": count(behind, "byte")})} if behind else {},
         units=dict.fromkeys(names, "full scale"),
         clocks=dict.fromkeys(names, clock),
     )
@@ -64,8 +68,11 @@ def _fraction(samples: np.ndarray[Any, Any]) -> RealArray:
     return frozen_real((samples.astype(np.float64) - middle) / 2.0 ** (8 * samples.dtype.itemsize - 1))
 
 
-def _check_chunks(content: bytes) -> None:
-    """Refuse a file whose chunks do not end where it ends, before their sizes are used."""
+def _end_of_chunks(content: bytes) -> int:
+    """Return where the last chunk ends; refuse a file that lacks a part of one, before their sizes are used.
+
+    What follows the end that the file states, as a line feed or a tag of a player does, holds no sample.
+    """
     order = ">" if content[:4] == b"RIFX" else "<"
     if content[:4] not in (b"RIFF", b"RIFX", b"RF64") or content[8:12] != b"WAVE":
         raise RecordError(f"is not a WAV file: it begins with {content[:12]!r}")
@@ -78,19 +85,21 @@ def _check_chunks(content: bytes) -> None:
     while position + 8 <= len(content):
         name, size = content[position : position + 4], struct.unpack_from(f"{order}I", content, position + 4)[0]
         size = long_size if name == b"data" and size == UNKNOWN_SIZE else size
-        if not (name.isascii() and name.decode("ascii").isprintable()):
+        named = name.isascii() and name.decode("ascii").isprintable()
+        whole_chunk = named and position + 8 + size <= len(content)
+        if not whole_chunk and position >= 8 + whole and name != b"data":
+            break
+        if not named:
             raise RecordError(f"is damaged: at byte {position} there should be a chunk, not {name!r}")
         if name == b"data" and size == UNKNOWN_SIZE:
             raise RecordError("does not state its number of samples, since it was not closed; convert it with sox")
-        if position + 8 + size > len(content):
+        if not whole_chunk:
             raise RecordError(
                 f"is cut off: its chunk {name.decode('ascii')!r} should have {size} bytes, there are "
                 f"{len(content) - position - 8}"
             )
         seen.append(name)
         position += 8 + size + size % 2
-    if position < len(content):
-        raise RecordError(f"is damaged: {len(content) - position} bytes follow its last chunk")
     # Some programs count a byte of padding that they do not write: no sample is lost.
     if 8 + whole > len(content) + 1:
         raise RecordError(f"is cut off: it states {8 + whole} bytes, there are {len(content)}")
@@ -99,3 +108,4 @@ def _check_chunks(content: bytes) -> None:
             raise RecordError(
                 f"is damaged: it has {seen.count(name)} chunks {name.decode('ascii')!r}; there must be one"
             )
+    return min(position, len(content))

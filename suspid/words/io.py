@@ -202,6 +202,7 @@ class LeftOut(Code):
     OTHER_TABLE = "other_table", "are another table, of {lines} lines: {line} …; save it as a file of its own to use it"
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"
+    BEHIND_CHUNKS = "behind_chunks", "holds {bytes} behind its last chunk, and no sample"
     UTF_16 = "utf_16", "is UTF-16, by its first bytes"
     WINDOWS_1252 = (
         "windows_1252",
