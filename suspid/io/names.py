@@ -41,7 +41,7 @@ RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtas
 # How many hertz make a unit of a rate.
 HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
 STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
-STEP_NAMES |= {"increment", "xincrement", "deltax"}
+STEP_NAMES |= {"increment", "xincrement", "deltax", "samplingtimeinterval"}
 # Words of which one makes a name read like a time, if the numbers run as a clock does.
 TIME_WORDS = {"time", "times", "timestamp", "elapsed", "clock", "seconds", "secs", "sec", "millis", "micros", "date"}
 TIME_WORDS |= {"zeit", "zeitpunkt", "temps", "tiempo", "tempo", "tijd", "czas", "zaman", "aika", "tid", "idő", "čas"}

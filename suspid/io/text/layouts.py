@@ -15,6 +15,7 @@ from suspid.io.text.axis_units import axis_unit
 from suspid.io.text.cells import Kind, kind_of, number
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
+from suspid.io.text.label_columns import UNIT_LABELS, named_above, without_labels
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
@@ -55,18 +56,24 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     while first and columns.are_missing(head[first - 1]):
         first -= 1
     above, beside = _stated_beside(head[:first], columns)
+    above, of_labels = without_labels(above, columns)
     names_at, units_at = _header(above, columns)
     others = {k + 1: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
     names, renamed = _names(columns, "" if names_at is None else above[names_at])
     units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
     if units_at is not None:
-        units |= {name: unit for name, unit in zip(names, columns.units(above[units_at]), strict=False) if unit}
+        stated = zip(names, columns.units(above[units_at]), strict=False)
+        units |= {name: unit for name, unit in stated if unit and unit.lower() not in UNIT_LABELS}
     for cells in map(columns.dialect.cells, others.values()):
         # The label stands above the time.
         if cells[0].lower() == "y_unit_label" and len(cells) >= len(names):
             units |= dict(zip(names[1:], cells[1:], strict=False))
             break
-    rates = beside | _rates(others.values(), columns.dialect)
+    if units_at is None and names_at and (time := named_above(above[:names_at], names, columns)):
+        at, name = time
+        units |= {name: names[at]}
+        names[at] = name
+    rates = beside | of_labels | _rates(others.values(), columns.dialect)
     # Oscilloscopes write the time first.
     axis = columns.kinds.index("number") if columns.kinds.count("number") > 1 else None
     if axis is not None and names[axis] not in units and (unit := axis_unit(head, columns, axis, rates.values())):
