@@ -61,6 +61,14 @@ def test_the_column_that_increases_is_named_where_none_is_taken(tmp_path: Path, 
         read_recording(table(tmp_path / "a.txt", SAMPLES, even, SAMPLES[::-1]))
 
 
+def test_a_column_that_is_alone_is_no_time_to_be_named(tmp_path: Path) -> None:
+    with pytest.raises(RecordError) as refused:
+        read_recording(table(tmp_path / "a.txt", [f"{k}" for k in range(50)]))
+    assert "'column 1'; give the sampling rate (fs); 'column 1' increases like a time, and no other" in str(
+        refused.value
+    )
+
+
 # A clock that jitters by a tenth of its steps.
 LATE = TIMES + np.random.default_rng(7).uniform(0.0, 2.5e-3, TIMES.size)
 

@@ -92,9 +92,10 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
     if names and time is None and rate is None:
         stamps = {n: why for n, why in table.unusable.items() if is_time(n) or why.code is LeftOut.ODD_STAMPS}
         odd = "".join(f"; {name!r} {why}" for name, why in stamps.items())
+        named = f"name one ({Argument('time')}), or " if len(table.sizes) > 1 else ""
         raise RecordError(
-            f"no column is named like a time: {listed(list(table.sizes))}; name one ({Argument('time')}), or give the "
-            f"sampling rate ({Argument('fs')}){odd or increasing(table)}"
+            f"no column is named like a time: {listed(list(table.sizes))}; {named}give the sampling rate "
+            f"({Argument('fs')}){odd or increasing(table)}"
         )
     for name in names:
         reference = names[0] if time is None else time

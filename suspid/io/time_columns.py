@@ -160,6 +160,8 @@ def increasing(table: Table) -> str:
             # The clock of a small board may step back a little now and then; a motion, and parts of a second, fall as
             # far as they rise.
             if steps.size > 1 and np.sum(steps) > 0 and np.sum(steps) >= MOST_STEPS * np.sum(np.abs(steps)):
+                if len(table.sizes) == 1:
+                    return f"; {name!r} increases like a time, and no other column is a channel"
                 return f"; {name!r} increases like a time: if it is one, give {Argument('time', repr(name))}"
     return ""
 

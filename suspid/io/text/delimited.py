@@ -14,6 +14,7 @@ from suspid.files import read_bytes
 from suspid.io.names import PER_SECOND, bare_name, is_time, split_unit
 from suspid.io.tables import Table, TimeBase
 from suspid.io.text.cells import seconds
+from suspid.io.text.coordinates import with_coordinates
 from suspid.io.text.encodings import decoded
 from suspid.io.text.endings import is_open
 from suspid.io.text.late_columns import with_late_column
@@ -58,7 +59,7 @@ def read_delimited(path: Path) -> Table:
     del content
     text, notes = without_notes(text, within=HEAD_BYTES)
     left_out |= notes
-    text = with_tabs(text, within=HEAD_BYTES)
+    text = with_coordinates(with_tabs(text, within=HEAD_BYTES), within=HEAD_BYTES)
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
