@@ -129,6 +129,13 @@ def test_the_unit_is_the_first_in_which_a_suspension_is_sampled_fast_enough(
     assert why.code is LeftOut.FINER_UNIT
 
 
+@pytest.mark.parametrize(("rate", "step"), [(5000.0, 2e-4), (5.0, 0.2), (0.005, 200.0)])
+def test_large_steps_of_whole_numbers_may_be_nanoseconds(tmp_path: Path, rate: float, step: float) -> None:
+    path = write(tmp_path / "a.csv", "time", [f"{200_000 * k}" for k in range(400)])
+    assert f"fs={rate:g} if it is" in str(dict(read_recording(path).left_out)["unit of 'time'"])
+    assert np.diff(read_recording(path, fs=rate)["seat"].timepts) == pytest.approx(step)
+
+
 @pytest.mark.parametrize("rate", [50.0, 200.0, 1000.0])
 def test_minutes_without_a_unit_are_asked_for(tmp_path: Path, rate: float) -> None:
     path = write(tmp_path / "a.csv", "time", [f"{k / rate / 60:.10g}" for k in range(400)])
