@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified
+from suspid.analysis.commanded import after_commands
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
 from suspid.analysis.largest import of_largest
@@ -34,8 +35,9 @@ from suspid.identification import (
 )
 from suspid.model import Suspension
 from suspid.recordings import Recording
-from suspid.records import cut
+from suspid.records import cut, of_channels
 from suspid.samples import held
+from suspid.signals import as_signal
 from suspid.threads import in_one_thread
 from suspid.wording import Argument
 from suspid.words import Note, Remark
@@ -255,6 +257,11 @@ def _identified(
         found = stretch.identification or identified(stretch.record, settings)
         wave, alone = of_a_wave(found, stretch, settings, whole)
         kept = supported(found, stretch, settings, whole=whole, wave=alone)
+        asked = after_commands(whole, stretch, kept, settings)
+        if asked is not None and asked.identification is not None:
+            repeats = _jointly(whole, asked, settings) if len(asked.used) > 1 else None
+            if repeats is None or len(repeats.modes):
+                return asked.identification if repeats is None else repeats.each[0], repeats, asked
         if wave:
             return kept, None, doubted_as_wave(stretch)
         for part_of in (from_later, of_largest):
@@ -262,5 +269,11 @@ def _identified(
             if part is not None and part.identification is not None:
                 return part.identification, None, part
         return kept, None, stretch
-    repeats = identify_repeats(whole, stretch.used, modes=settings.modes, band_hz=settings.band_hz)
+    repeats = _jointly(whole, stretch, settings)
     return repeats.each[0], repeats, stretch
+
+
+def _jointly(whole: control.TimeResponseData, stretch: Used, settings: Settings) -> Repeats:
+    """Return what several decays of a record show jointly, in the channels that are used."""
+    motion = of_channels(whole, as_signal(stretch.record).channels)
+    return identify_repeats(motion, stretch.used, modes=settings.modes, band_hz=settings.band_hz)

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from suspid.analysis.choice import doubts_of
+from suspid.analysis.commanded import ANSWERED_BY_COMMAND
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import belonging
 from suspid.decays import Decay, Decays
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 UNNAMED_TIME = re.compile(f"unit of '{UNNAMED_COLUMN.pattern}'")
 # Notes on what was not used, which call for care with what was found.
 CALLS_FOR_CARE = {
+    Note.COMMANDED: RecordCheck.COMMANDED,
     Note.ONE_OF_TESTS: RecordCheck.ONE_OF_TESTS,
     Note.FEWER_CHANNELS: RecordCheck.FEWER_CHANNELS,
     Note.LARGEST_USED: RecordCheck.LARGEST_USED,
@@ -181,6 +183,9 @@ class Analysis(Result):
         ]
         unsettled = () if self.estimate is not None else self.notes
         failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
+        if any(note.code is Note.COMMANDED for note in self.notes):
+            kept = (check for check in found.checks if check.remark.code not in ANSWERED_BY_COMMAND)
+            found = Verdict(found.headline, tuple(kept))
         if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):
             # The search for decays has answered what a late motion would suggest.
             kept = (check for check in found.checks if check.remark.code is not ModeCheck.LATE_MOTION)

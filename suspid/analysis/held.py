@@ -9,10 +9,11 @@ import numpy as np
 
 from suspid.analysis.blows import blows_of
 from suspid.analysis.swings import turns_of
+from suspid.identification import FEWEST_SAMPLES
 from suspid.levels import EXACT
 from suspid.records import of_channels
-from suspid.signals import as_signal
-from suspid.units import RealArray
+from suspid.signals import Signal, as_signal
+from suspid.units import RealArray, Second
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -51,16 +52,45 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
     >>> list(left.output_labels), len(notes)
     (['x'], 1)
     """
+    why = _held(as_signal(record))
+    kept = [name for name in as_signal(record).channels if name not in why]
+    return (of_channels(record, kept), tuple(why.values())) if why else (record, ())
+
+
+def held_from(record: control.TimeResponseData) -> tuple[tuple[str, ...], list[tuple[Second, Second]]]:
+    """Return the commands and forces of a record that hold their values, and from when to when all hold a new one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid.records import as_response
+    >>> time = np.arange(400) / 100
+    >>> motion, asked = 1 - np.cos(20 * time), np.floor(time / 1.3)
+    >>> held_from(as_response(time, np.stack([motion, asked]), ["x", "u"]))
+    (('u',), [(1.3, 2.59), (2.6, 3.89)])
+    """
     signal = as_signal(record)
+    names = tuple(_held(signal))
+    if not names:
+        return (), []
+    values = signal.values[[signal.channels.index(name) for name in names]]
+    steps = np.abs(np.diff(values, axis=1))
+    first = 1 + np.flatnonzero(np.any(steps > EXACT * np.ptp(values, axis=1, keepdims=True), axis=0))
+    last = np.append(first[1:], values.shape[1]) - 1
+    long = last - first >= FEWEST_SAMPLES
+    times = signal.timepts
+    return names, list(zip(times[first[long]].tolist(), times[last[long]].tolist(), strict=True))
+
+
+def _held(signal: Signal) -> dict[str, Remark]:
+    """Return the channels that are commands or forces beside others that move, and why."""
     jumps = dict(zip(signal.channels, map(_jumps, signal.values), strict=True))
     blows = dict(zip(signal.channels, blows_of(signal.values).tolist(), strict=True))
     moving = [name for name, number in jumps.items() if number is None and not blows[name]]
     kept = [name for name in moving if not COMMAND.search(name)] or moving
-    if not kept or len(kept) == len(signal.channels):
-        return record, ()
-    return of_channels(record, kept), tuple(
-        _why(name, jumps[name], blows[name]) for name in signal.channels if name not in kept
-    )
+    if not kept:
+        return {}
+    return {name: _why(name, jumps[name], blows[name]) for name in signal.channels if name not in kept}
 
 
 def _why(name: str, jumps: int | None, blows: int) -> Remark:

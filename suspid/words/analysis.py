@@ -29,12 +29,20 @@ def _tests(n: Mapping[str, Number]) -> str:
     return f"file contains {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_LISTED])}{more}"
 
 
+def _named(n: Mapping[str, Number]) -> str:
+    names = n["names"]
+    assert isinstance(names, tuple)
+    return f"{'channels' if len(names) > 1 else 'channel'} {in_a_row([repr(name) for name in names])}"
+
+
 def _channels(n: Mapping[str, Number]) -> str:
     names = n["names"]
     assert isinstance(names, tuple)
-    return f"{'channels' if len(names) > 1 else 'channel'} {in_a_row([repr(name) for name in names])} " + (
-        "are" if len(names) > 1 else "is"
-    )
+    return f"{_named(n)} {'are' if len(names) > 1 else 'is'}"
+
+
+def _after_changes(n: Mapping[str, Number]) -> str:
+    return f"what follows {count(int(str(n['number'])), 'change')} of {_named(n)} is used"
 
 
 def _largest_motion(n: Mapping[str, Number]) -> str:
@@ -94,6 +102,7 @@ class Note(Code):
             )
         ),
     )
+    COMMANDED = "commanded", sentence(_after_changes)
     DECAYS_USED = (
         "decays used",
         sentence(
@@ -215,6 +224,15 @@ class RecordCheck(Code):
         "runs down",
         "The swings take longer and longer until the end, not only where they are large: a machine that runs down does "
         "so, and what has play.",
+    )
+    COMMANDED = (
+        "commanded",
+        sentence(
+            lambda n: (
+                f"W{_after_changes(n)[1:]}, about where it settles: what is between a command and the motion, "
+                f"as a drive or a controller, is part of the modes."
+            )
+        ),
     )
     LARGEST_USED = (
         "largest used",

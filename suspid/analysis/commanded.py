@@ -1,0 +1,119 @@
+"""Motion after a command: about where it settles, it is free while the command holds its value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.choice import level_of, settled, tried
+from suspid.analysis.held import held_from
+from suspid.analysis.largest import MOST_OF_IT
+from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import swings
+from suspid.analysis.support import questioned
+from suspid.analysis.swings import AT_REST
+from suspid.analysis.used import Used, instead_of
+from suspid.decays import SAME_MODE, Decay, in_common
+from suspid.identification import Identification, cycles_seen
+from suspid.records import cut, of_channels
+from suspid.samples import held
+from suspid.signals import Signal, as_signal
+from suspid.units import Second
+from suspid.words import DecayKind, Level, ModeCheck, Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Doubts that a pulse of force may look like the modes: where the command holds its value, none acts.
+ANSWERED_BY_COMMAND = frozenset({ModeCheck.NOT_CROSS_CHECKED, ModeCheck.ONE_SHAPE})
+# Stretches that are tried, the longest, of at most this many samples: each takes the time of an identification.
+MOST_TRIED, LONGEST_HELD = 8, 50_000
+# After one change alone, what moves must have been at rest before, for this many samples.
+FEWEST_BEFORE = 8
+
+Span = tuple[Second, Second]
+
+
+def after_commands(
+    record: control.TimeResponseData, stretch: Used, found: Identification, settings: Settings
+) -> Used | None:
+    """Return the stretches after changes of a command that show the same modes; None if that is not asked for or seen.
+
+    They are tried where the search for decays ends in doubts or without modes: a heavily damped step response has too
+    few cycles to tell it from a pulse of force, but a command that holds its value makes none.
+    """
+    if not questioned(found, settings):
+        return None
+    if len(found.modes) and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL:
+        return None
+    names, spans = held_from(record)
+    motion = of_channels(record, as_signal(stretch.record).channels)
+    most = LONGEST_HELD * as_signal(record).step
+    spans = sorted((span for span in spans if span[1] - span[0] < most), key=lambda span: span[0] - span[1])
+    tries = [(span, tried(cut(motion, start=span[0], stop=span[1]), settings)) for span in spans[:MOST_TRIED]]
+    shown = [(span, one) for span, one in tries if one is not None and _free(one)]
+    shown = [each for each in shown if _again(each[1], [one for _, one in shown if one is not each[1]])] or shown
+    shown = sorted(shown, key=lambda each: -_size(as_signal(held(each[1], "fitted"))))
+    if not shown or 2 * len(shown) < len(tries):
+        return None
+    if len(shown) == 1 and not (swings(shown[0][1].modes) and _from_rest(as_signal(motion), shown[0][0])):
+        return None
+    used = tuple(_decay_of(span, one, rank=k + 1) for k, (span, one) in enumerate(shown))
+    note = Remark(Note.COMMANDED, {"names": names, "number": len(used)})
+    first = shown[0][1]
+    part = Used(record=held(first, "response"), decays=used, used=used, notes=(note,), identification=first)
+    return instead_of(stretch, part if len(used) > 1 else replace(part, decays=(), used=()))
+
+
+def _again(one: Identification, others: Sequence[Identification]) -> bool:
+    """Return whether another stretch shows the modes of one, or one that has no others."""
+    return any(
+        all(in_common(np.array([wn]), more.modes.wn, within=SAME_MODE) for wn in fewer.modes.wn)
+        for other in others
+        for fewer, more in [sorted((one, other), key=lambda each: len(each.modes))]
+    )
+
+
+def _free(one: Identification) -> bool:
+    """Return whether modes that turn are most of a motion, alone, and what is doubted of them a command answers."""
+    alone = not any(considered.removed for considered in one.considered)
+    turns = bool(np.all(one.modes.poles.imag > 0))
+    if not (alone and turns and settled(one) and float(np.max(one.explained)) > MOST_OF_IT):
+        return False
+    doubts = {check.remark.code for check in one.verdict.checks if check.level is Level.DOUBTFUL}
+    return doubts <= ANSWERED_BY_COMMAND
+
+
+def _from_rest(motion: Signal, span: Span) -> bool:
+    """Return whether a motion begins from rest: from what was seen of it before, of some samples."""
+    before = motion.values[:, motion.timepts < span[0]]
+    if before.shape[1] < FEWEST_BEFORE:
+        return False
+    return bool(np.max(np.ptp(before, axis=1) / np.maximum(np.ptp(motion.values, axis=1), 1e-300)) < AT_REST)
+
+
+def _size(signal: Signal) -> float:
+    """Return the largest range of a motion."""
+    return float(np.max(np.ptp(signal.values, axis=1)))
+
+
+def _decay_of(span: Span, one: Identification, *, rank: int) -> Decay:
+    """Return a stretch after a command as a decay."""
+    ranges = np.ptp(as_signal(held(one, "fitted")).values, axis=1)
+    level = 20 * np.log10(float(np.max(ranges / np.maximum(one.noise_std, 1e-300))) + 1e-300)
+    cycles = float(np.max(cycles_seen(one.modes, span[1] - span[0], nepers=level / 8.686), initial=0.0))
+    return Decay(
+        start=span[0],
+        stop=span[1],
+        rank=rank,
+        kind=DecayKind.STEP,
+        level=float(level),
+        cycles=cycles,
+        strength=float(level + 20 * np.log10(max(cycles, 1e-3))),
+        wn=one.modes.wn,
+        zeta=one.modes.zeta,
+        doubts=(),
+    )
