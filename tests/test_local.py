@@ -117,4 +117,5 @@ def test_the_note_tells_of_swings_whose_damping_is_known(zeta: list[float], last
         if check.remark.code is ModeCheck.AMPLITUDE
     )
     assert note["low_zeta"] == pytest.approx(0.03)
+    assert note["low_within"] == pytest.approx(NORMAL_95 * one.zeta_std[low])
     assert note["low"] == pytest.approx(one.amplitude[low])

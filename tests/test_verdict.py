@@ -468,10 +468,10 @@ class TestWords:
         assert re.findall(r"[\d.]+ %", known) == ["0.02 %", "3.1 %", "90 %"]
         numbers: dict[str, Number] = {
             "mode": 1, "high_hz": 1.1, "high_zeta": 0.21, "high": 5.0, "low_hz": 1.3, "low_zeta": 0.34, "low": 0.5,
-            "channel": "seat", "holds": 2.0,
+            "channel": "seat", "holds": 2.0, "high_within": 0.02, "low_within": 0.03,
         }  # fmt: skip
         said = re.findall(r"[\d.]*\d", str(Remark(ModeCheck.AMPLITUDE, numbers)))
-        assert said == ["1", "1.1", "0.21", "5", "1.3", "0.34", "0.5", "2"]
+        assert said == ["1", "1.1", "0.21", "0.02", "5", "1.3", "0.34", "0.03", "0.5", "2"]
 
     def test_json_holds_codes_numbers_and_sentences(self) -> None:
         remark = Remark(Reason.TOO_WEAK, {"gain": 3.0, "needed": 20.0})

@@ -13,7 +13,7 @@ from suspid.files import printable
 from suspid.identification.combs import OVERTONES, repeated_in
 from suspid.identification.fitting import BENT
 from suspid.identification.noise import LOUD
-from suspid.levels import SURE
+from suspid.levels import NORMAL_95, SURE
 from suspid.model import modal_assurance
 from suspid.samples import held
 from suspid.signals import as_signal
@@ -95,9 +95,11 @@ def check_amplitudes(found: Identification) -> Iterator[Check]:
             "high": float(np.max(each.amplitude)),
             "high_hz": high_wn / (2 * np.pi),
             "high_zeta": high_zeta,
+            "high_within": NORMAL_95 * float(each.zeta_std[int(np.argmax(each.amplitude))]),
             "low": float(np.min(each.amplitude)),
             "low_hz": low_wn / (2 * np.pi),
             "low_zeta": low_zeta,
+            "low_within": NORMAL_95 * float(each.zeta_std[int(np.argmin(each.amplitude))]),
             "channel": printable(each.channel),
             "holds": each.holds_at,
         }

@@ -331,9 +331,10 @@ class ModeCheck(Code):
         "amplitude",
         sentence(
             lambda n: (
-                f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} at "
-                f"{n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} at {n['low']:.3g} (in the unit of "
-                f"channel {n['channel']!r}). The table holds at {n['holds']:.3g}."
+                f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} ± "
+                f"{n['high_within']:.1g} at {n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} ± "
+                f"{n['low_within']:.1g} at {n['low']:.3g} (in the unit of channel {n['channel']!r}). The table holds "
+                f"at {n['holds']:.3g}."
             )
         ),
     )
