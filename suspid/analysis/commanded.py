@@ -12,7 +12,7 @@ from suspid.analysis.choice import level_of, settled, tried
 from suspid.analysis.held import held_from
 from suspid.analysis.largest import MOST_OF_IT
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import swings
+from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.support import questioned
 from suspid.analysis.swings import AT_REST
 from suspid.analysis.used import Used, instead_of
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
 # Doubts that a pulse of force may look like the modes: where the command holds its value, none acts.
 ANSWERED_BY_COMMAND = frozenset({ModeCheck.NOT_CROSS_CHECKED, ModeCheck.ONE_SHAPE})
-# Stretches that are tried, the longest, of at most this many samples: each takes the time of an identification.
-MOST_TRIED, LONGEST_HELD = 8, 50_000
+# Stretches that are tried at most, the longest, and samples that they have together: each takes the time of an
+# identification.
+MOST_TRIED, SAMPLES_TRIED = 8, 40_000
 # After one change alone, what moves must have been at rest before, for this many samples.
 FEWEST_BEFORE = 8
 
@@ -51,15 +52,16 @@ def after_commands(
         return None
     names, spans = held_from(record)
     motion = of_channels(record, as_signal(stretch.record).channels)
-    most = LONGEST_HELD * as_signal(record).step
-    spans = sorted((span for span in spans if span[1] - span[0] < most), key=lambda span: span[0] - span[1])
-    tries = [(span, tried(cut(motion, start=span[0], stop=span[1]), settings)) for span in spans[:MOST_TRIED]]
+    spans = sorted(spans, key=lambda span: span[0] - span[1])[:MOST_TRIED]
+    if sum(stop - start for start, stop in spans) > SAMPLES_TRIED * as_signal(record).step:
+        return None
+    tries = [(span, tried(cut(motion, start=span[0], stop=span[1]), settings)) for span in spans]
     shown = [(span, one) for span, one in tries if one is not None and _free(one)]
     shown = [each for each in shown if _again(each[1], [one for _, one in shown if one is not each[1]])] or shown
     shown = sorted(shown, key=lambda each: -_size(as_signal(held(each[1], "fitted"))))
     if not shown or 2 * len(shown) < len(tries):
         return None
-    if len(shown) == 1 and not (swings(shown[0][1].modes) and _from_rest(as_signal(motion), shown[0][0])):
+    if len(shown) == 1 and not _from_rest(as_signal(motion), shown[0][0]):
         return None
     used = tuple(_decay_of(span, one, rank=k + 1) for k, (span, one) in enumerate(shown))
     note = Remark(Note.COMMANDED, {"names": names, "number": len(used)})
@@ -78,10 +80,13 @@ def _again(one: Identification, others: Sequence[Identification]) -> bool:
 
 
 def _free(one: Identification) -> bool:
-    """Return whether modes that turn are most of a motion, alone, and what is doubted of them a command answers."""
+    """Return whether modes that swing are most of a motion, alone, and what is doubted of them a command answers.
+
+    What a drive leads smoothly from one place to the next looks like modes that are damped before they swing.
+    """
     alone = not any(considered.removed for considered in one.considered)
-    turns = bool(np.all(one.modes.poles.imag > 0))
-    if not (alone and turns and settled(one) and float(np.max(one.explained)) > MOST_OF_IT):
+    swing = bool(np.all(one.modes.zeta < NO_CYCLE))
+    if not (alone and swing and settled(one) and float(np.max(one.explained)) > MOST_OF_IT):
         return False
     doubts = {check.remark.code for check in one.verdict.checks if check.level is Level.DOUBTFUL}
     return doubts <= ANSWERED_BY_COMMAND

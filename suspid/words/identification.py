@@ -195,8 +195,8 @@ class ModeCheck(Code):
         "one shape",
         sentence(
             lambda n: (
-                f"{'The channel moves' if n['channels'] == 1 else 'All channels move alike, and'} only at the start: a "
-                f"force pulse without resonance looks the same."
+                f"{'A single channel does' if n['channels'] == 1 else 'Channels that all move alike do'} not tell a "
+                f"mode from a force that ends: a pulse without resonance looks the same."
             )
         ),
     )
