@@ -7,8 +7,10 @@ import pytest
 
 from suspid import as_record, identify
 from suspid.analysis import means
+from suspid.identification.nonlinear.dependence import AmplitudeDependence, with_tables
 from suspid.identification.nonlinear.local import local_changes
 from suspid.levels import NORMAL_95
+from suspid.model import ModalSet
 from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import Level, ModeCheck
@@ -119,3 +121,23 @@ def test_the_note_tells_of_swings_whose_damping_is_known(zeta: list[float], last
     assert note["low_zeta"] == pytest.approx(0.03)
     assert note["low_within"] == pytest.approx(NORMAL_95 * one.zeta_std[low])
     assert note["low"] == pytest.approx(one.amplitude[low])
+
+
+def test_a_mode_lies_within_its_interval_of_its_table() -> None:
+    """The mean over a decay may be at no amplitude of it; the interval then reaches to where the table has it."""
+    modes = ModalSet(poles=np.array([-0.1 + 5.0j]), channels=("y",), covariance=1e-8 * np.eye(2))
+    amplitude = np.array([4.0, 1.0])
+    table = AmplitudeDependence(
+        spans=((0.0, 1.0), (1.0, 2.0)),
+        channel="y",
+        amplitude=amplitude,
+        wn=np.array([5.2, 5.0]),
+        zeta=np.array([0.02, 0.04]),
+        wn_std=1e-3 * amplitude,
+        zeta_std=1e-4 * amplitude,
+        holds_at=2.0,
+    )
+    assert table.at(2.0) == pytest.approx((5.1, 0.03))
+    (wide,), (sure,) = (each.wn_std for each in (with_tables(modes, (table,)), modes) if each.wn_std is not None)
+    assert wide == pytest.approx(5.1 - abs(modes.poles[0]), rel=1e-2)
+    assert sure < 1e-3

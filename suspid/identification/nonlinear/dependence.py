@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.levels import NORMAL_95
+from suspid.model import ModalSet
 from suspid.units import RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
@@ -55,6 +57,13 @@ class AmplitudeDependence:
         first, last = int(np.argmax(self.amplitude)), int(np.argmin(self.amplitude))
         return (float(self.wn[first]), float(self.zeta[first])), (float(self.wn[last]), float(self.zeta[last]))
 
+    def at(self, amplitude: float) -> tuple[RadianPerSecond, Ratio]:
+        """Return natural frequency and damping ratio at an amplitude, between the windows beside it."""
+        order = np.argsort(self.amplitude)
+        logs = np.log(self.amplitude[order])
+        wn, zeta = (np.interp(np.log(amplitude), logs, values[order]) for values in (self.wn, self.zeta))
+        return float(wn), float(zeta)
+
     @property
     def known(self) -> AmplitudeDependence:
         """The windows in which the damping ratio is known to its own value; all where those are fewer than two.
@@ -98,3 +107,15 @@ class AmplitudeDependence:
         above = self.zeta[:, None] - self.zeta > apart
         largest = np.any(np.tril(above), axis=1) & np.any(np.triu(above), axis=1)
         return bool(np.any(largest) or np.any(self.zeta < -2 * NORMAL_95 * self.zeta_std))
+
+
+def with_tables(modes: ModalSet, tables: Sequence[AmplitudeDependence]) -> ModalSet:
+    """Return modes whose covariance contains how far each is from its table at the amplitude at which it holds."""
+    assert modes.covariance is not None
+    covariance = modes.covariance.copy()
+    for mode, table in enumerate(tables):
+        wn, zeta = table.at(table.holds_at)
+        change = wn * (-zeta + 1j * np.sqrt(max(1 - zeta**2, 0.0))) - modes.poles[mode]
+        at, parts = slice(2 * mode, 2 * mode + 2), np.array([change.real, change.imag])
+        covariance[at, at] += np.outer(parts, parts)
+    return replace(modes, covariance=covariance)

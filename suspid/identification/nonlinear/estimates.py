@@ -14,7 +14,7 @@ from suspid.identification.nonlinear.amplitude import (
     mean_over_parts,
     window_changes,
 )
-from suspid.identification.nonlinear.dependence import AmplitudeDependence
+from suspid.identification.nonlinear.dependence import AmplitudeDependence, with_tables
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.linearised import modes_of_structure
@@ -29,11 +29,20 @@ def modes_of_bent(
     """Return the modes, how loud the residual is near each, (mode,), and how each depends on its amplitude.
 
     Each pole is the mean over the cycles of the record. Their variances are widened by the loudness, by noise that the
-    channels share, and by what the choice of the stretch does.
+    channels share, by what the choice of the stretch does, and by how far each is from its table over the amplitudes.
     """
     if bent.structure is not None:
-        return modes_of_structure(bent.structure, timepts=timepts, channels=channels)
-    fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+        modes, loud, tables = modes_of_structure(bent.structure, timepts=timepts, channels=channels)
+    else:
+        modes, loud, tables = _modes_of_driven(bent.fit, timepts=timepts, channels=channels)
+    return with_tables(modes, tables), loud, tables
+
+
+def _modes_of_driven(
+    fit: DrivenFit, *, timepts: RealArray, channels: tuple[str, ...]
+) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...]]:
+    """Return the modes of a motion that forces drive, how loud the residual is near each, and their tables."""
+    step = float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     means = [mean_over_parts(fit, k) for k in range(len(fit.drive.theta))]
     exponents = np.array([theta for theta, _ in means])
     order = np.argsort(np.abs(exponents), kind="stable")
