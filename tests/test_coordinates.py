@@ -54,6 +54,12 @@ def test_a_row_without_them_leaves_them_text(row: str) -> None:
     assert with_coordinates(text, within=1000) == text
 
 
+def test_rows_that_make_up_for_each_other_leave_them_text() -> None:
+    """As many numbers in all, but not in their places."""
+    text = b'a,b\n"(1, 2)","(1, 2, 3)"\n"(1, 2, 3)","(1, 2)"\n'
+    assert with_coordinates(text, within=1000) == text
+
+
 @pytest.mark.parametrize("names", ["", "point\n", "point,time,x\n", f'"{200_000 * "x"}",time\n'])
 def test_a_name_for_each_column_is_needed(names: str) -> None:
     text = f'{names}"(1, 2)",3\n"(1, 2)",4\n'.encode()

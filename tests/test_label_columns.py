@@ -47,6 +47,10 @@ class TestPairs:
         assert left["Time (2)"].code is LeftOut.SAME_TIME
         assert "name of column 3" not in left
 
+    def test_quotes_within_a_name_stay(self, tmp_path: Path) -> None:
+        (channel,) = read(tmp_path, 'Interval,0.0005\nName,"Force ""a"", front"\nUnit,N\n', TIMES, RINGING).channels
+        assert (channel.name, channel.unit) == ('Force "a", front', "N")
+
     def test_each_channel_has_its_time(self, tmp_path: Path) -> None:
         recording = read(tmp_path, PAIRS.format(a=STEP, b=2 * STEP), TIMES, RINGING, 2 * TIMES, -RINGING)
         assert [channel.mean_rate for channel in recording.channels] == [pytest.approx(2000), pytest.approx(1000)]

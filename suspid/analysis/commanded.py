@@ -21,7 +21,7 @@ from suspid.identification import Identification, cycles_seen
 from suspid.records import cut, of_channels
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.units import Second
+from suspid.units import Ratio, Second
 from suspid.words import DecayKind, Level, ModeCheck, Note, Remark
 
 if TYPE_CHECKING:
@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
 # Doubts that a pulse of force may look like the modes: where the command holds its value, none acts.
 ANSWERED_BY_COMMAND = frozenset({ModeCheck.NOT_CROSS_CHECKED, ModeCheck.ONE_SHAPE})
+# What is said of modes that only follow what a drive, a delay or a chain of lags makes of a step.
+LEFT_OPEN_BY_IT = frozenset({ModeCheck.KNOWN_ROUGHLY, ModeCheck.DAMPING_UNKNOWN, ModeCheck.UNRESOLVED})
+# Modes stay the same, to within the second share, from later on by the first angle [rad] of the slowest: those that
+# follow what leads a motion do not.
+LATER_ANGLE, SAME_LATER = 1.5, 0.05
 # Stretches that are tried at most, the longest, and samples that they have together: each takes the time of an
 # identification.
 MOST_TRIED, SAMPLES_TRIED = 8, 40_000
@@ -61,22 +66,28 @@ def after_commands(
     shown = sorted(shown, key=lambda each: -_size(as_signal(held(each[1], "fitted"))))
     if not shown or 2 * len(shown) < len(tries):
         return None
-    if len(shown) == 1 and not _from_rest(as_signal(motion), shown[0][0]):
+    first = shown[0][1]
+    if (len(shown) == 1 and not _from_rest(as_signal(motion), shown[0][0])) or not _has(first, found):
+        return None
+    if any(check.remark.code in LEFT_OPEN_BY_IT for check in first.verdict.checks):
+        return None
+    later = tried(cut(first.response, start=shown[0][0][0] + LATER_ANGLE / float(np.min(first.modes.wn))), settings)
+    if later is None or not (_has(later, first, within=SAME_LATER) and _has(first, later, within=SAME_LATER)):
         return None
     used = tuple(_decay_of(span, one, rank=k + 1) for k, (span, one) in enumerate(shown))
     note = Remark(Note.COMMANDED, {"names": names, "number": len(used)})
-    first = shown[0][1]
     part = Used(record=held(first, "response"), decays=used, used=used, notes=(note,), identification=first)
     return instead_of(stretch, part if len(used) > 1 else replace(part, decays=(), used=()))
 
 
+def _has(one: Identification, modes: Identification, *, within: Ratio = SAME_MODE) -> bool:
+    """Return whether all modes of another identification are modes of one."""
+    return all(in_common(np.array([wn]), one.modes.wn, within=within) for wn in modes.modes.wn)
+
+
 def _again(one: Identification, others: Sequence[Identification]) -> bool:
     """Return whether another stretch shows the modes of one, or one that has no others."""
-    return any(
-        all(in_common(np.array([wn]), more.modes.wn, within=SAME_MODE) for wn in fewer.modes.wn)
-        for other in others
-        for fewer, more in [sorted((one, other), key=lambda each: len(each.modes))]
-    )
+    return any(_has(one, other) or _has(other, one) for other in others)
 
 
 def _free(one: Identification) -> bool:

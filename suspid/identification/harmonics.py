@@ -28,7 +28,7 @@ HALF_AS_LARGE, LOW_ORDER, AS_RARELY = 0.5, 3, 0.02
 PRECISE = 0.01
 # What moves as the square of a swing is in step with it, to within this angle [rad], where it is the most of its
 # channel. Then it is enough if its frequency, and its rate, are known to these shares, and twice those of the swing to
-# the last two beyond chance: a mode of its own would lie so in one of a thousand structures.
+# the last two beyond chance. A structure that is let go is in step as well: one in some hundred has a mode there.
 IN_STEP, KNOWN_IN_STEP, RATE_IN_STEP, OF_ARC = 0.3, 0.005, 0.3, (0.001, 0.1)
 # Where one is, a real pole is the middle of it if its rate is known to this share.
 MIDDLE_KNOWN = 0.5

@@ -31,8 +31,10 @@ def with_coordinates(text: bytes, *, within: int) -> bytes:
     numbers = [cell.count(",") + 1 if CELL.fullmatch(f'"{cell}"'.encode()) else 1 for cell in first]
     filled = sum(not row.isspace() and row != b"" for row in rows.split(b"\n"))
     parted = CELL.sub(rb"\1", rows)
-    whole = parted.count(b",") == filled * (sum(numbers) - 1)
-    if not whole or len(names) != len(first) or b'"' in parted:
+    # Each row has as many numbers in each place as the first one.
+    places = [rb'"[(\[]%b[)\]]"' % b",".join([NUMBER] * n) if n > 1 else rb'[^",\n]*' for n in numbers]
+    alike = re.findall(rb"^%b\r?$" % b",".join(places), rows, re.MULTILINE)
+    if len(alike) != filled or len(names) != len(first) or b'"' in parted:
         return text
     titles = [f"{name}[{k + 1}]" if n > 1 else name for name, n in zip(names, numbers, strict=True) for k in range(n)]
     return before + ",".join(titles).encode() + b"\n" * (start - len(above)) + parted

@@ -79,5 +79,8 @@ def _rates(cells: Sequence[str], columns: Columns) -> set[Hertz]:
 def _joined(cells: Sequence[str], label: str, delimiter: str) -> str:
     """Return a line of the values of pairs, each behind what its column is called in place of the label."""
     called = [label] + [label and f"{label} ({k})" for k in range(2, len(cells) // 2 + 1)]
-    values = [f'"{cell}"' if delimiter in cell else cell for cell in cells[1::2]]
+    quoted = ['"' + cell.replace('"', '""') + '"' for cell in cells[1::2]]
+    values = [
+        each if delimiter in cell or '"' in cell else cell for cell, each in zip(cells[1::2], quoted, strict=True)
+    ]
     return delimiter.join(cell for pair in zip(called, values, strict=True) for cell in pair)
