@@ -285,14 +285,6 @@ class TestLimitsOfWhatMeasuresNothing:
         columns = {"seat": np.cos(stamps), "part": size * ((stamps + late) % 1)}
         assert list(parts_of_seconds(self.plan("part"), columns, stamps)) == ["part"] * is_part
 
-    @pytest.mark.parametrize(("since", "is_clock"), [(1.7e9, True), (0.0, False)])
-    def test_the_stamp_of_a_message_is_a_clock(self, since: float, *, is_clock: bool) -> None:
-        """It stays for some rows, and is late by turns; near zero, a motion may run so."""
-        stamps = since + np.arange(400) / 128
-        late = stamps[np.arange(400) // 7 * 7] - 0.01 * np.random.default_rng(1).random(400)
-        columns = {"seat": np.cos(np.arange(400)), "stamp": late, "t": stamps}
-        assert list(repeated_times(self.plan("stamp"), columns)) == ["stamp"] * is_clock
-
     def test_a_channel_that_is_alone_stays(self) -> None:
         stamps = np.arange(400) / 128
         plan = ColumnPlan(channels=("part",), time="t", clocks={}, rate=None, left_out={})

@@ -16,8 +16,6 @@ from suspid.words import LeftOut, Remark
 MANY_ROWS = 50
 # Share of a step by which what changes evenly with the time is off it at most: stamps are rounded. Any sensor is more.
 OFF_EVEN = 0.05
-# What counts from another epoch lies this many times as far from zero as the record is long. Records of a day lie so.
-FROM_FAR = 1000.0
 # Parts of a second are written with three digits at least [s].
 OF_A_SECOND: Second = 1e-3
 
@@ -112,29 +110,10 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
     ]
     others = [name for name in plan.followers if name not in same and not _counts(name, columns[name])]
     even = [name for name in others if _is_even(columns[name], stamps, OFF_EVEN * step)]
-    clocks = [name for name in others if name not in even and _counts_from_as_far(columns[name], stamps)]
-    if len(same) + len(even) + len(clocks) == len(plan.channels):
+    if len(same) + len(even) == len(plan.channels):
         return {}
     said = {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}
-    return said | dict.fromkeys(even, Remark(LeftOut.EVEN)) | dict.fromkeys(clocks, Remark(LeftOut.LIKE_TIME))
-
-
-def _counts_from_as_far(column: RealArray, stamps: RealArray) -> bool:
-    """Return whether a column is a clock that counts from as far as the time, as the stamps of messages do.
-
-    Both lie many times as far from zero as they are long, and no further apart than that.
-
-    Examples
-    --------
-    >>> stamps = 1.7e9 + np.arange(1000) / 500
-    >>> _counts_from_as_far(np.round(stamps - 0.003, 2), stamps), _counts_from_as_far(stamps % 7, stamps)
-    (True, False)
-    """
-    long = float(np.nanmax(stamps) - np.nanmin(stamps))
-    if not 0 < long * FROM_FAR < np.nanmin(stamps):
-        return False
-    apart = np.abs(column - stamps)
-    return bool(np.any(np.isfinite(apart)) and np.nanmax(apart) < long)
+    return said | dict.fromkeys(even, Remark(LeftOut.EVEN))
 
 
 def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:

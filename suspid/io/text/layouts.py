@@ -117,7 +117,7 @@ def _why_no_number(cell: str, dialect: Dialect) -> str:
         return "hold a value and its uncertainty; write the uncertainty in a column of its own, or leave it out"
     return (
         f"are not numbers, where decimals follow a {'comma' if dialect.comma else 'point'} and cells are {dialect}; "
-        f"write all cells so, without other marks in numbers or behind them"
+        f"write numbers without a mark between the thousands"
     )
 
 
