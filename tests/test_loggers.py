@@ -238,6 +238,32 @@ class TestColumnsThatMeasureNothing:
         left_out = {name: why.code for name, why in recording.left_out}
         assert (left_out["epoc"], left_out["axis"]) == (LeftOut.EVEN, LeftOut.EVEN)
 
+    @pytest.mark.parametrize(
+        ("name", "start", "motion", "is_clock"),
+        [
+            ("/joints/header/stamp", 1.7e9, 0.0, True),
+            ("/joints/seq", 1.7e9, 0.0, True),
+            ("/joints/header/stamp", 0.0, 0.0, True),
+            ("/carriage/x", 0.0, 0.0, False),
+            ("/carriage/x", 0.0, 0.05, False),
+            ("/joints/header/stamp", 1.7e9, 2.0, False),
+            ("/joints/header/stamp", 1.7e9, 0.3, False),
+        ],
+        ids=["epoch", "by its size", "by its name", "driven", "swings", "falls", "strays"],
+    )
+    @pytest.mark.parametrize("every", [1, 4], ids=["each row", "held"])
+    def test_a_clock_that_jitters_or_is_held_is_no_channel(
+        self, tmp_path: Path, name: str, start: float, motion: float, is_clock: bool, every: int
+    ) -> None:
+        """Messages of robots hold the time at which they were sent beside that at which they came."""
+        sent = start + (TIMES + 0.001 * JITTER)[np.arange(TIMES.size) // every * every]
+        sent += motion * (1 - np.cos(TIMES))
+        stamps = [f"{1.7e9 + t:.6f}" for t in TIMES]
+        path = table(tmp_path / "a.csv", stamps, [f"{t:.9f}" for t in sent], SAMPLES, head=f"__time,{name},seat\n")
+        recording = read_recording(path)
+        assert recording.names == ("seat",) if is_clock else recording.names == (name, "seat")
+        assert (LeftOut.EVEN in [why.code for _, why in recording.left_out]) is is_clock
+
     def test_a_ramp_alone_is_a_channel(self, tmp_path: Path) -> None:
         path = table(tmp_path / "a.csv", [f"{t:.6f}" for t in TIMES], [f"{2 * t:.6f}" for t in TIMES], head="time,x\n")
         assert [channel.name for channel in read_recording(path).channels] == ["x"]

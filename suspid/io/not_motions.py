@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
 
 from suspid.io.column_plan import ColumnPlan
-from suspid.io.names import UNNAMED_COLUMN, counts_rows, is_abscissa, is_count, is_nth_count
+from suspid.io.epochs import SINCE_A_DATE
+from suspid.io.names import UNNAMED_COLUMN, counts_rows, is_abscissa, is_count, is_nth_count, may_be_time
 from suspid.io.time_units import FEW_STAMPS, late_by, runs_beside
 from suspid.units import RealArray, Second
 from suspid.words import LeftOut, Remark
@@ -16,6 +18,14 @@ from suspid.words import LeftOut, Remark
 MANY_ROWS = 50
 # Share of a step by which what changes evenly with the time is off it at most: stamps are rounded. Any sensor is more.
 OFF_EVEN = 0.05
+# Share by which the clock of another machine, or of a message, gains or loses against the time at most.
+ANOTHER_PACE = 0.01
+# Share of the time for which a clock is held at most.
+MOST_HELD = 0.5
+# How many units of one clock make one of another: of ns, us, ms and s.
+CLOCK_UNITS = tuple(10.0**k for k in (0, 3, 6, 9, -3, -6, -9))
+# Word in the name of a time of a message, beside those for time.
+OF_STAMP = re.compile(r"stamp(?![a-z])", re.IGNORECASE)
 # Parts of a second are written with three digits at least [s].
 OF_A_SECOND: Second = 1e-3
 
@@ -96,7 +106,8 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
     """Return the channels that repeat the column of time number by number, as files with a time for each test do.
 
     One without a name may also run beside it, by less than half a sample more or less: the time of a second sensor.
-    What rises in proportion to the time, to a small share of a sample, is a clock in another unit, or an axis.
+    What rises in proportion to the time, to a small share of a sample, is a clock in another unit, or an axis. The
+    stamp of a message may also jitter, or be held.
     """
     if plan.time is None or columns[plan.time].size < MANY_ROWS:
         return {}
@@ -109,7 +120,11 @@ def repeated_times(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
         or (UNNAMED_COLUMN.fullmatch(name) and runs_beside(columns[name], stamps, 0.5 * step))
     ]
     others = [name for name in plan.followers if name not in same and not _counts(name, columns[name])]
-    even = [name for name in others if _is_even(columns[name], stamps, OFF_EVEN * step)]
+    even = [
+        name
+        for name in others
+        if _is_even(columns[name], stamps, OFF_EVEN * step) or _runs_on(name, columns[name], stamps)
+    ]
     if len(same) + len(even) == len(plan.channels):
         return {}
     said = {name: Remark(LeftOut.SAME_TIME, {"other": plan.time, **late_by(stamps, columns[name])}) for name in same}
@@ -137,3 +152,33 @@ def _is_even(column: RealArray, stamps: RealArray, most: float) -> bool:
         return runs_beside(column[few] * pace, stamps[few], most) and runs_beside(
             column[first:] * pace, stamps[first:], most
         )
+
+
+def _runs_on(name: str, column: RealArray, stamps: RealArray) -> bool:
+    """Return whether a column is a clock that runs beside the time: at its pace, but for jitter and holding.
+
+    It counts from a date, or has a word of time in its name: a carriage that is driven at 1 m/s runs so as well.
+
+    Examples
+    --------
+    >>> rows = np.arange(3000) / 100
+    >>> clock = np.floor(rows)
+    >>> [_runs_on(name, column, rows) for name, column in (("a", 1.7e9 + clock), ("stamp", clock), ("a", clock))]
+    [True, True, False]
+    """
+    # Of most columns the name and a look at their largest number tell that they are none.
+    named = OF_STAMP.search(name) is not None or may_be_time(name)
+    if not named and not float(np.fmax.reduce(column, initial=0.0)) > SINCE_A_DATE:
+        return False
+    known = np.isfinite(column) & np.isfinite(stamps)
+    clock, times = column[known], stamps[known]
+    if clock.size < FEW_STAMPS or not (named or clock[0] > SINCE_A_DATE):
+        return False
+    length, rise = float(times[-1] - times[0]), float(clock[-1] - clock[0])
+    if not 0 < length < np.inf or not 0 < rise < np.inf or not np.all(clock[1:] >= clock[:-1]):
+        return False
+    # In the unit of the time, or in another.
+    unit = min(CLOCK_UNITS, key=lambda per: abs(np.log(rise / per / length)))
+    held = float(np.max(np.diff(clock))) / unit
+    apart = np.abs((clock - clock[0]) / unit - (times - times[0]))
+    return held < MOST_HELD * length and bool(np.all(apart <= ANOTHER_PACE * length + held))
