@@ -44,6 +44,16 @@ def test_a_displacement_that_ramps_evenly_is_no_time_without_a_name(tmp_path: Pa
         read_recording(path)
 
 
+def test_stamps_of_a_log_of_python_are_the_time(tmp_path: Path) -> None:
+    """Its milliseconds follow a comma, and a blank."""
+    rows = [f"2021-12-27 18:06:{t:06.3f}, {y}, -0.05".replace(".", ",", 1) for t, y in zip(TIMES, SAMPLES, strict=True)]
+    path = tmp_path / "a.log"
+    path.write_text("\n".join(row.replace(", ", " ", 1) for row in rows), encoding="utf-8")
+    recording = read_recording(path)
+    np.testing.assert_allclose(recording.channels[0].timepts, TIMES, atol=1e-9)
+    assert recording.channels[0].values.tolist() == [float(y) for y in SAMPLES]
+
+
 @pytest.mark.parametrize(
     "steps", [np.ones(99), np.full(99, 10.0), 1 + np.arange(99) % 2, np.geomspace(4, 400, 99) // 1]
 )

@@ -16,6 +16,7 @@ from suspid.io.text.cells import Kind, kind_of, number
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
 from suspid.io.text.label_columns import UNIT_LABELS, named_above, without_labels
+from suspid.io.text.thousands import marks_between, why_no_number
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
@@ -23,8 +24,6 @@ from suspid.words import LeftOut, Remark
 RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
 # A column is blank in more rows than this where it holds settings beside the first ones.
 MOSTLY = 0.9
-# An uncertainty behind a value.
-UNCERTAIN = re.compile(r"\d\s*\+-\s*\d")
 KEY_VALUE = re.compile(
     r"\W*([^\W\d][^:=;,\t]*?)\s*(?::=|[:=;,\t])\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
 )
@@ -107,18 +106,8 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
         digits = [cell for cell in filled if NUMERIC.fullmatch(cell)]
         odd = next((cell for cell in digits if kind_of(cell, comma=dialect.comma) != "number"), None)
         if odd is not None and 2 * len(digits) > len(filled):
-            raise RecordError(f"cells such as {shortened(odd)} {_why_no_number(odd, dialect)}")
+            raise RecordError(f"cells such as {shortened(odd)} {why_no_number(odd, dialect)}")
     return Columns(dialect, commonest)
-
-
-def _why_no_number(cell: str, dialect: Dialect) -> str:
-    """Return why a cell of digits and marks is no number, and what to write instead."""
-    if UNCERTAIN.search(cell):
-        return "hold a value and its uncertainty; write the uncertainty in a column of its own, or leave it out"
-    return (
-        f"are not numbers, where decimals follow a {'comma' if dialect.comma else 'point'} and cells are {dialect}; "
-        f"write numbers without a mark between the thousands"
-    )
 
 
 def _less_settings(
@@ -183,7 +172,7 @@ def _refuse_misfit(line: str, number: int, columns: Columns) -> None:
     cells, kinds = dialect.cells(line), dialect.kinds(line)
     if len(cells) == width and "number" in kinds:
         odd = next((k for k, kind in enumerate(kinds) if kind == "text"), 0)
-        hint = "; write numbers without a mark between the thousands" if NUMERIC.fullmatch(cells[odd]) else ""
+        hint = f"; {hint}" if (hint := marks_between(cells[odd])) else ""
         raise RecordError(
             f"line {number} is neither a header nor data: cell {odd + 1} is {shortened(cells[odd])}, but "
             f"cell {kinds.index('number') + 1} is a number{hint}"

@@ -1,4 +1,4 @@
-"""Marks between thousands that would be read as decimal signs, such as ``1.234`` beside ``987``."""
+"""Cells of digits and marks that are no numbers, or would be read as others: ``1.234`` beside ``987``, ``1,234.5``."""
 
 from __future__ import annotations
 
@@ -6,11 +6,16 @@ import re
 from collections.abc import Sequence
 
 from suspid.errors import RecordError
-from suspid.io.text.dialects import Dialect, shortened
+from suspid.io.text.dialects import DELIMITERS, Dialect, shortened
 
 # Whole numbers below a thousand, and others whose thousands have a mark.
 BELOW_THOUSAND = re.compile(r"[+-]?\d{1,3}", re.A)
 MARKED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.A)
+# Numbers whose thousands have marks of any kind.
+THOUSANDS = re.compile("[+-]?\\d{1,3}([.,' \u2019\xa0\u2009\u202f])\\d{3}(?:\\1\\d{3})*(?:[.,]\\d*)?(?:[eE][+-]?\\d+)?")
+WITHOUT_MARKS = "write numbers without a mark between the thousands"
+# An uncertainty behind a value.
+UNCERTAIN = re.compile(r"\d\s*\+-\s*\d")
 # Different small numbers that are needed: a program may write a missing sample, or nought, as a whole number.
 LEAST_SMALL = 2
 
@@ -50,6 +55,34 @@ def refuse_thousands(lines: Sequence[str], names: Sequence[str], dialect: Dialec
         if k in marked and len(seen) >= LEAST_SMALL:
             raise RecordError(
                 f"{names[k]!r} contains {shortened(marked[k])} beside {shortened(min(seen))}: the "
-                f"{'comma' if dialect.comma else 'point'} seems to separate thousands; write numbers without a "
-                f"mark between the thousands, or decimals with all their digits"
+                f"{'comma' if dialect.comma else 'point'} seems to separate thousands; {WITHOUT_MARKS}, or "
+                f"decimals with all their digits"
             )
+
+
+def marks_between(cell: str) -> str:
+    """Return what to write instead of a number whose thousands have marks; nothing of another cell.
+
+    Examples
+    --------
+    >>> marks_between("1'234.5"), marks_between("2017-2018"), marks_between("-0.015,")
+    ('write numbers without a mark between the thousands', '', '')
+    """
+    return WITHOUT_MARKS if THOUSANDS.fullmatch(cell) else ""
+
+
+def why_no_number(cell: str, dialect: Dialect) -> str:
+    """Return why a cell of digits and marks is no number, and what to write instead.
+
+    Examples
+    --------
+    >>> print(why_no_number("0.5,", Dialect(delimiter=" ", comma=False)))
+    are not numbers, where decimals follow a point and cells are separated by blanks; separate them by commas alone
+    """
+    if UNCERTAIN.search(cell):
+        return "hold a value and its uncertainty; write the uncertainty in a column of its own, or leave it out"
+    mend = marks_between(cell) or "write one number in each cell, or leave the column out"
+    if dialect.delimiter == " " and cell[-1] in ",;":
+        mend = f"separate them by {DELIMITERS[cell[-1]]} alone"
+    sign = "comma" if dialect.comma else "point"
+    return f"are not numbers, where decimals follow a {sign} and cells are {dialect}; {mend}"
