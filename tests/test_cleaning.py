@@ -249,6 +249,13 @@ class TestGaps:
         with pytest.raises(RecordError, match="too long to fill"):
             clean(recording(T, true, other), channels=["c0", "c1"])
 
+    def test_a_channel_with_more_short_ones_than_are_filled_is_left_out_beside_one_without(self) -> None:
+        true, other = decay(T, frequency=5), decay(T)
+        other[3:1997:4] = np.nan
+        (finding,) = clean(recording(T, true, other)).findings
+        assert (finding.kind, finding.channel, finding.samples) == (Defect.GAPPY_CHANNEL, "c1", 499)
+        assert finding.text.startswith(f"499 of {T.size} samples missing, 25 %, of which at most 10 % are filled")
+
     def test_a_long_one_in_most_channels_is_refused(self) -> None:
         gappy = [decay(T, frequency=f) for f in (3, 4)]
         for k, values in enumerate(gappy):

@@ -16,7 +16,7 @@ from suspid.cleaning.placing import Placed, place, resample
 from suspid.cleaning.sentinels import possible
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
-from suspid.units import Hertz, RealArray
+from suspid.units import Hertz, Ratio, RealArray
 from suspid.values import frozen_real
 from suspid.wording import Argument, moment, when
 from suspid.words import Defect, Number, count
@@ -105,7 +105,7 @@ def whole(placed: Placed, *, by_name: bool) -> tuple[RealArray, dict[str, RealAr
     refusals = {name: refusal for name in better if (refusal := _refusal({name: better[name]}, times)) is not None}
     findings: list[Finding] = []
     if not by_name and 2 * len(refusals) <= len(better):
-        findings = [_gappy(name, times, better.pop(name).values) for name in refusals]
+        findings = [_gappy(name, times, better.pop(name)) for name in refusals]
     refusal = _refusal(better, times)
     if refusal is not None:
         raise refusal
@@ -132,10 +132,7 @@ def _kept(holes: NDArray[np.bool_]) -> slice:
 
 def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | None:
     """Return why channels have too many gaps to be one record, or None if they have not."""
-    shares = {
-        name: sum(finding.samples for finding in filled.findings) / filled.values.size
-        for name, filled in channels.items()
-    }
+    shares = {name: _share_filled(filled) for name, filled in channels.items()}
     full_of_gaps = [name for name, share in shares.items() if share > MOST_FILLED]
     if full_of_gaps:
         rows = len(full_of_gaps) == len(shares)
@@ -167,11 +164,21 @@ def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | 
     )
 
 
-def _gappy(name: str, times: RealArray, values: RealArray) -> Finding:
-    """Return the finding of a channel that is left out for its gaps."""
-    holes = np.isnan(values)
-    where = times[holes] if np.any(holes) else times
-    return found(Defect.GAPPY_CHANNEL, where, int(np.sum(holes)), {"rows": holes.size}, channel=name)
+def _gappy(name: str, times: RealArray, filled: Filled) -> Finding:
+    """Return the finding of a channel that is left out for its gaps: too long ones, or more than may be filled."""
+    holes = np.isnan(filled.values)
+    lost, numbers = int(np.sum(holes)), dict[str, Number](rows=holes.size)
+    where = times[holes]
+    if _share_filled(filled) > MOST_FILLED:
+        lost += filled.findings[0].samples
+        numbers |= {"share": 100 * lost / holes.size, "most": 100 * MOST_FILLED}
+        where = np.append(where, [filled.findings[0].start, filled.findings[0].stop])
+    return found(Defect.GAPPY_CHANNEL, where, lost, numbers, channel=name)
+
+
+def _share_filled(filled: Filled) -> Ratio:
+    """Return the share of the samples of a channel that were filled."""
+    return sum(finding.samples for finding in filled.findings) / filled.values.size
 
 
 def _cut(times: RealArray, inside: NDArray[np.bool_], *, missing: bool) -> Finding:

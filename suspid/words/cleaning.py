@@ -114,6 +114,18 @@ def _set_back(numbers: Numbers) -> str:
     ).format_map(numbers)
 
 
+def _gappy_channel(numbers: Numbers) -> str:
+    if "share" in numbers:
+        return (
+            "{samples} of {rows} samples missing, {share:.2g} %, of which at most {most:.0f} % are filled; left out, "
+            "since other channels have fewer"
+        ).format_map(numbers)
+    return (
+        "{samples} of {rows} samples missing, in gaps too long to fill; left out, since other channels have none; "
+        "name it to use the part of the record where it is complete"
+    ).format_map(numbers)
+
+
 def _sentinel(numbers: Numbers) -> str:
     what = _count(numbers, "sample")
     if "value" in numbers:
@@ -301,11 +313,7 @@ class Defect(Code):
     DRIFT = "drift", "drifts by {drift:.3g} over the record, more than its other motion; left as it is"
     OFFSET = "offset", "mean level {level:.4g}, range of motion {range:.3g}; left as it is"
     DEAD_CHANNEL = "dead channel", _dead_channel
-    GAPPY_CHANNEL = (
-        "gaps",
-        "{samples} of {rows} samples missing, in gaps too long to fill; left out, since other channels have none; "
-        "name it to use the part of the record where it is complete",
-    )
+    GAPPY_CHANNEL = "gaps", _gappy_channel
     SLOWER_CLOCK = "slower clock", _slower_clock
     SHIFTED_CLOCK = "shifted clock", _shifted_clock
     CUT = "cut", _cut
