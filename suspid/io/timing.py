@@ -18,6 +18,7 @@ from suspid.io.names import (
     is_step,
     unit_in_name,
 )
+from suspid.io.newest_first import in_order, oldest_first
 from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
 from suspid.io.own_rows import with_own_rows
 from suspid.io.runs import runs_by_clock, runs_of
@@ -69,7 +70,8 @@ def as_recording(
     columns = dict(zip([*times, *plan.channels], table.columns([*times, *plan.channels]), strict=True))
     if times and counts_rows(times[0], columns[times[0]]):
         plan, times = _without_counter(plan, times[0]), []
-    left_out = {**table.unusable, **plan.left_out}
+    columns, turned = oldest_first(columns, times[0], followers) if times else (columns, {})
+    left_out = {**table.unusable, **plan.left_out, **turned}
     counters = [] if channels else counters_of(plan, columns)
     norms = {} if channels else {**magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
     norms |= {} if channels else single_numbers(plan, columns)
@@ -111,6 +113,8 @@ def as_recording(
                 rate=own if fs is None else fs,
             )
         )
+    raw, turned = in_order(raw, plan.clocks)
+    left_out |= turned
     raw = raw if fs is not None else with_own_rows(raw)
     kept = tuple(channel for channel in raw if channel.name not in counters and channel.name not in norms)
     kept, counted = counted_from_first(kept, next(iter(times), None))

@@ -121,6 +121,10 @@ class LeftOut(Code):
     NO_FRAMES = "no_frames", "has no raw CAN frames to decode"
     # Time.
     TIME = "time", "is the time, counted from its first stamp {start!r}"
+    NEWEST_FIRST = (
+        "newest_first",
+        "is newest first: rows are taken, and counted, from the last of the file to its first",
+    )
     SINCE_A_DATE = "since_a_date", "is {start:.6f} s; times are counted from there"
     GROUP_TIME = "group_time", "is the time of its group"
     TAKEN_AS_TIME = "taken_as_time", "increases like a clock: taken as the time"

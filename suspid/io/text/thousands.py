@@ -12,7 +12,9 @@ from suspid.io.text.dialects import DELIMITERS, Dialect, shortened
 BELOW_THOUSAND = re.compile(r"[+-]?\d{1,3}", re.A)
 MARKED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.A)
 # Numbers whose thousands have marks of any kind.
-THOUSANDS = re.compile("[+-]?\\d{1,3}([.,' \u2019\xa0\u2009\u202f])\\d{3}(?:\\1\\d{3})*(?:[.,]\\d*)?(?:[eE][+-]?\\d+)?")
+THOUSANDS = re.compile(
+    "[+-]?[1-9]\\d{0,2}([.,' \u2019\xa0\u2009\u202f])\\d{3}(?:\\1\\d{3})*(?:[.,]\\d+)?(?:[eE][+-]?\\d+)?"
+)
 WITHOUT_MARKS = "write numbers without a mark between the thousands"
 # An uncertainty behind a value.
 UNCERTAIN = re.compile(r"\d\s*\+-\s*\d")
