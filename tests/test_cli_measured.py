@@ -176,11 +176,14 @@ def written(content: bytes) -> Callable[[Path], None]:
 
 
 def rows(*lines: str, count: int = 200) -> Callable[[Path], None]:
-    """Write a header and, for every sample k, the line with k / 100 for ``{t}`` and a decay for ``{y}``."""
+    """Write a header and for each sample k a line: ``{t}`` is k / 100, ``{back}`` falls and rises, ``{y}`` decays."""
 
     def write(path: Path) -> None:
         values = np.exp(-np.arange(count) / 60) * np.cos(np.arange(count) / 3)
-        body = [lines[1].format(t=k / 100, y=round(float(y), 9), back=(count - k) / 100) for k, y in enumerate(values)]
+        body = [
+            lines[1].format(t=k / 100, y=round(float(y), 9), back=abs(count // 2 - k) / 100)
+            for k, y in enumerate(values)
+        ]
         path.write_text("\n".join([lines[0], *body]) + "\n")
 
     return write

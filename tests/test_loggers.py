@@ -321,6 +321,15 @@ class TestLimitsOfWhatMeasuresNothing:
         columns = {"seat": np.cos(stamps), "part": size * ((stamps + late) % 1)}
         assert list(parts_of_seconds(self.plan("part"), columns, stamps)) == ["part"] * is_part
 
+    @pytest.mark.parametrize(
+        ("pace", "held", "is_clock"), [(1.005, 1, True), (1.03, 1, False), (1.0, 2, True), (1.0, 5, False)]
+    )
+    def test_clocks_of_another_pace_and_that_are_held_long(self, pace: float, held: int, is_clock: bool) -> None:
+        times = np.arange(400) / 50
+        columns = {"t": times, "seat": np.cos(times), "stamp": np.floor(pace * times / held) * held}
+        columns["stamp"] += 0 if held > 1 else pace * times % 1 + 0.001 * np.sin(40 * times)
+        assert list(repeated_times(self.plan("stamp"), columns)) == ["stamp"] * is_clock
+
     def test_a_channel_that_is_alone_stays(self) -> None:
         stamps = np.arange(400) / 128
         plan = ColumnPlan(channels=("part",), time="t", clocks={}, rate=None, left_out={})

@@ -50,3 +50,12 @@ def test_others_are_left(tmp_path: Path, stamps: list[str], head: str) -> None:
     recording = read_recording(path, time=head)
     np.testing.assert_allclose(recording["seat"].values, SEAT, atol=1e-6)
     assert LeftOut.NEWEST_FIRST not in [why.code for _, why in recording.left_out]
+
+
+def test_a_time_of_another_name_is_told(tmp_path: Path) -> None:
+    """A data base writes the number of each row before it."""
+    rows = [f"{900 - k},{t}" for k, t in enumerate(EPOCH[::-1])]
+    path = write(tmp_path / "a.csv", rows, [*SEAT[::-1]], head="ID,TM")
+    with pytest.raises(RecordError, match="'TM' falls like a time, newest first: if it is one, give time='TM'"):
+        read_recording(path)
+    assert read_recording(path, time="TM").names == ("seat",)

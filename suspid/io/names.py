@@ -282,8 +282,18 @@ def counts_rows(name: str, values: RealArray) -> bool:
     >>> counts_rows("frame", np.arange(3.0)), counts_rows("seat", np.arange(3.0)), counts_rows("#", np.ones(3))
     (True, False, False)
     """
-    named = split_unit(name)[0] in COUNTERS or UNNAMED.fullmatch(name) is not None
-    return named and is_nth_count(values)
+    return (is_counter(name) or UNNAMED.fullmatch(name) is not None) and is_nth_count(values)
+
+
+def is_counter(name: str) -> bool:
+    """Whether a column of that name counts rows.
+
+    Examples
+    --------
+    >>> is_counter("Frame"), is_counter("seat")
+    (True, False)
+    """
+    return split_unit(name)[0] in COUNTERS
 
 
 def is_nth_count(values: RealArray) -> bool:

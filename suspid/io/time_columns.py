@@ -29,11 +29,13 @@ from suspid.io.names import (
     counts_rows,
     is_abscissa,
     is_count,
+    is_counter,
     is_frequency,
     is_time,
     may_be_time,
     test_in_name,
 )
+from suspid.io.newest_first import is_newest_first
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import in_seconds, late_by, runs_beside
 from suspid.stamps import MOST_STEPS
@@ -149,7 +151,10 @@ def _same_time(table: Table, one: str, other: str) -> bool:
 
 
 def increasing(table: Table) -> str:
-    """Return a hint at the first column if its numbers increase, or count the rows, else at the last, or another."""
+    """Return a hint at the first column if its numbers increase, or count the rows, else at the last, or another.
+
+    Without one, it is at the only column that falls throughout.
+    """
     for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:], *table.sizes]):
         with contextlib.suppress(RecordError):
             if over_frequency(table, name):
@@ -163,6 +168,12 @@ def increasing(table: Table) -> str:
                 if len(table.sizes) == 1:
                     return f"; {name!r} increases like a time, and no other column is a channel"
                 return f"; {name!r} increases like a time: if it is one, give {Argument('time', repr(name))}"
+    with contextlib.suppress(RecordError):
+        columns = zip(table.sizes, table.columns(list(table.sizes)), strict=True)
+        falling = [name for name, its in columns if is_newest_first(name, its) and not is_counter(name)]
+        if len(falling) == 1 < len(table.sizes):
+            (name,) = falling
+            return f"; {name!r} falls like a time, newest first: if it is one, give {Argument('time', repr(name))}"
     return ""
 
 
