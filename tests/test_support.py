@@ -211,7 +211,7 @@ class TestWholeRecords:
         ("Gaussian pulse", 1_200_019),
         ("braking", 1_200_008),
         ("engine at idle, 12 Hz", 1_200_008),
-        ("speech-like modulation", 5013),
+        pytest.param("speech-like modulation", 5013, marks=pytest.mark.slow),
         ("speech-like modulation", 5056),
     ],
 )
