@@ -71,7 +71,7 @@ def after_commands(
         return None
     if any(check.remark.code in LEFT_OPEN_BY_IT for check in first.verdict.checks):
         return None
-    later = tried(cut(first.response, start=shown[0][0][0] + LATER_ANGLE / float(np.min(first.modes.wn))), settings)
+    later = tried(cut(held(first, "response"), start=shown[0][0][0] + LATER_ANGLE / float(np.min(first.modes.wn))), settings)
     if later is None or not (_has(later, first, within=SAME_LATER) and _has(first, later, within=SAME_LATER)):
         return None
     used = tuple(_decay_of(span, one, rank=k + 1) for k, (span, one) in enumerate(shown))
