@@ -1,16 +1,21 @@
 """Step responses with their command: about where it settles, a motion is free while the command holds its value."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from suspid import Analysis, Level, Settings, analyse
+from suspid import Analysis, Identification, Level, ModalSet, Settings, analyse, identify
+from suspid.analysis import commanded as module
+from suspid.analysis.used import Used
+from suspid.identification import Considered
 from suspid.records import as_response
 from suspid.signals import as_signal
 from suspid.units import RealArray
-from suspid.words import Note, RecordCheck
+from suspid.words import Note, Reason, RecordCheck, Remark
 
 RATE, WN = 20.0, 4.0
 TIME = np.arange(500) / RATE
@@ -94,3 +99,61 @@ def test_decays_that_are_joined_leave_the_command_out() -> None:
     one = found(response(0.1, command), command, decay="all")
     assert as_signal(one.identification.response).channels == ("y",)
     assert one.modes.channels == ("y",)
+
+
+class TestWhatIsAskedOfStretches:
+    """Four of them, of which identifications are made up: one decay that is beyond doubt, and what spoils it."""
+
+    @staticmethod
+    def single(hertz: float, zeta: float = 0.2) -> Identification:
+        time, wn = np.arange(120) / RATE, 2 * np.pi * hertz
+        values = np.exp(-zeta * wn * time) * np.cos(wn * np.sqrt(1 - zeta**2) * time)
+        noise = 0.003 * np.random.default_rng(1).standard_normal(time.size)
+        return identify(as_response(time, (values + noise)[None], ["y"]))
+
+    @staticmethod
+    def used(
+        monkeypatch: pytest.MonkeyPatch,
+        shown: Sequence[Identification | None],
+        later: Identification,
+        before: Identification | None = None,
+    ) -> bool:
+        """Return whether stretches are used that show these, and the first of them this from later on."""
+        command = commanded(0.0, 1.0, 0.3, 1.2, -0.5)
+        rest = np.where(command == 0, 0.0, np.sin(3 * TIME))
+        record = as_response(TIME, np.stack([rest, command]), ["y", "u"])
+        made = iter([*shown, later])
+        monkeypatch.setattr(module, "tried", lambda *_: next(made))
+        none = identify(as_response(TIME, 0.1 * np.random.default_rng(1).standard_normal((1, TIME.size)), ["y"]))
+        found = before or none
+        stretch = Used(record=as_response(TIME, rest[None], ["y"]), decays=(), used=(), notes=(), identification=found)
+        return module.after_commands(record, stretch, found, Settings()) is not None
+
+    def test_half_of_them_show_the_mode_from_later_on_too(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        good = self.single(1.0)
+        assert self.used(monkeypatch, [good, good, None, None], good)
+        assert not self.used(monkeypatch, [good, None, None, None], good)
+        assert not self.used(monkeypatch, [good] * 4, self.single(1.1))
+
+    def test_it_is_the_one_that_was_doubtful_before(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        good, again, other = self.single(1.0), self.single(1.0, 0.55), self.single(2.0, 0.55)
+        assert again.verdict.level is other.verdict.level is Level.DOUBTFUL
+        assert self.used(monkeypatch, [good] * 4, good, again)
+        assert not self.used(monkeypatch, [good] * 4, good, other)
+
+    @pytest.mark.parametrize("spoilt", ["tone", "two", "no swing", "row"])
+    def test_it_is_alone_and_swings_and_is_known(self, monkeypatch: pytest.MonkeyPatch, spoilt: str) -> None:
+        good = self.single(1.0)
+        pole = complex(good.modes.poles[0])
+        tone = Considered(pole=3j * pole.imag, remark=Remark(Reason.TONE), removed=True)
+        two = Considered(pole=pole, remark=Remark(Reason.UNRESOLVED, {"gain": 30.0, "needed": 40.0}), removed=False)
+        row = ModalSet(
+            poles=np.asarray(pole + 1j * np.arange(4), complex), shapes=np.ones((1, 4), complex), channels=("y",)
+        )
+        bad = {
+            "tone": replace(good, considered=(tone,)),
+            "two": replace(good, considered=(two,)),
+            "no swing": self.single(1.0, 0.7),
+            "row": replace(good, modes=row, loudness=np.ones(4), considered=()),
+        }[spoilt]
+        assert not self.used(monkeypatch, [bad] * 4, bad)

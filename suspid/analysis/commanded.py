@@ -71,8 +71,7 @@ def after_commands(
         return None
     if any(check.remark.code in LEFT_OPEN_BY_IT for check in first.verdict.checks):
         return None
-    later = tried(cut(held(first, "response"), start=shown[0][0][0] + LATER_ANGLE / float(np.min(first.modes.wn))), settings)
-    if later is None or not (_has(later, first, within=SAME_LATER) and _has(first, later, within=SAME_LATER)):
+    if not _stays(first, settings):
         return None
     used = tuple(_decay_of(span, one, rank=k + 1) for k, (span, one) in enumerate(shown))
     note = Remark(Note.COMMANDED, {"names": names, "number": len(used)})
@@ -101,6 +100,16 @@ def _free(one: Identification) -> bool:
         return False
     doubts = {check.remark.code for check in one.verdict.checks if check.level is Level.DOUBTFUL}
     return doubts <= ANSWERED_BY_COMMAND
+
+
+def _stays(one: Identification, settings: Settings) -> bool:
+    """Return whether the modes are the same from later on."""
+    response = as_signal(held(one, "response"))
+    start = response.start + LATER_ANGLE / float(np.min(one.modes.wn))
+    if start >= response.timepts[-1]:
+        return False
+    later = tried(cut(held(one, "response"), start=start), settings)
+    return later is not None and _has(later, one, within=SAME_LATER) and _has(one, later, within=SAME_LATER)
 
 
 def _from_rest(motion: Signal, span: Span) -> bool:
