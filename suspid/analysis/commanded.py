@@ -57,8 +57,9 @@ def after_commands(
         return None
     names, spans = held_from(record)
     motion = of_channels(record, as_signal(stretch.record).channels)
-    spans = sorted(spans, key=lambda span: span[0] - span[1])[:MOST_TRIED]
-    if sum(stop - start for start, stop in spans) > SAMPLES_TRIED * as_signal(record).step:
+    step = as_signal(record).step
+    spans = sorted(spans, key=lambda span: -round((span[1] - span[0]) / step))[:MOST_TRIED]
+    if sum(stop - start for start, stop in spans) > SAMPLES_TRIED * step:
         return None
     tries = [(span, tried(cut(motion, start=span[0], stop=span[1]), settings)) for span in spans]
     shown = [(span, one) for span, one in tries if one is not None and _free(one)]
