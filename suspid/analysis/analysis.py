@@ -183,13 +183,12 @@ class Analysis(Result):
         ]
         unsettled = () if self.estimate is not None else self.notes
         failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
-        if any(note.code is Note.COMMANDED for note in self.notes):
-            kept = (check for check in found.checks if check.remark.code not in ANSWERED_BY_COMMAND)
-            found = Verdict(found.headline, tuple(kept))
-        if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):
-            # The search for decays has answered what a late motion would suggest.
-            kept = (check for check in found.checks if check.remark.code is not ModeCheck.LATE_MOTION)
-            found = Verdict(found.headline, tuple(kept))
+        codes = {note.code for note in self.notes}
+        # The search for decays has answered what a late motion would suggest.
+        searched = len(self.decays) or Note.WHOLE_RECORD in codes
+        answered = {ModeCheck.LATE_MOTION} if searched else set[ModeCheck]()
+        answered |= ANSWERED_BY_COMMAND if Note.COMMANDED in codes else frozenset()
+        found = Verdict(found.headline, tuple(check for check in found.checks if check.remark.code not in answered))
         best = self.estimate or self.reconstruction
         springs = () if best is None else best.verdict.checks
         of_recording = list(_of_recording(self))

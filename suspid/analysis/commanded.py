@@ -129,8 +129,9 @@ def _size(signal: Signal) -> float:
 def _decay_of(span: Span, one: Identification, *, rank: int) -> Decay:
     """Return a stretch after a command as a decay."""
     ranges = np.ptp(as_signal(held(one, "fitted")).values, axis=1)
-    level = 20 * np.log10(float(np.max(ranges / np.maximum(one.noise_std, 1e-300))) + 1e-300)
-    cycles = float(np.max(cycles_seen(one.modes, span[1] - span[0], nepers=level / 8.686), initial=0.0))
+    nepers = float(np.log(np.max(ranges / np.maximum(one.noise_std, 1e-300)) + 1e-300))
+    cycles = float(np.max(cycles_seen(one.modes, span[1] - span[0], nepers=nepers), initial=0.0))
+    level = 20 * nepers / np.log(10)
     return Decay(
         start=span[0],
         stop=span[1],

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,6 +165,17 @@ def widened(fit: DecayFit, larger: DecayFit, places: NDArray[np.intp]) -> RealAr
         both = of_more[more, more] + np.outer(d, d)
         factors[k] = np.max(np.linalg.eigvals(np.linalg.solve(of_poles[own, own], both)).real)
     return factors
+
+
+def with_changes(modes: ModalSet, changes: Iterable[ComplexArray]) -> ModalSet:
+    """Return modes with changes of their poles, each (mode,), in the covariance: what other choices make of them."""
+    assert modes.covariance is not None
+    covariance = modes.covariance.copy()
+    for change in changes:
+        for mode, parts in enumerate(np.stack([change.real, change.imag], axis=1)):
+            at = slice(2 * mode, 2 * mode + 2)
+            covariance[at, at] += np.outer(parts, parts)
+    return replace(modes, covariance=covariance)
 
 
 def _parts(poles: Poles, kept: NDArray[np.intp]) -> ComplexArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from suspid.identification.covariance import with_changes
 from suspid.levels import NORMAL_95
 from suspid.model import ModalSet
 from suspid.units import RadianPerSecond, Ratio, RealArray, Second
@@ -111,11 +112,6 @@ class AmplitudeDependence:
 
 def with_tables(modes: ModalSet, tables: Sequence[AmplitudeDependence]) -> ModalSet:
     """Return modes whose covariance contains how far each is from its table at the amplitude at which it holds."""
-    assert modes.covariance is not None
-    covariance = modes.covariance.copy()
-    for mode, table in enumerate(tables):
-        wn, zeta = table.at(table.holds_at)
-        change = wn * (-zeta + 1j * np.sqrt(max(1 - zeta**2, 0.0))) - modes.poles[mode]
-        at, parts = slice(2 * mode, 2 * mode + 2), np.array([change.real, change.imag])
-        covariance[at, at] += np.outer(parts, parts)
-    return replace(modes, covariance=covariance)
+    wn, zeta = np.array([table.at(table.holds_at) for table in tables]).T
+    poles = wn * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0)))
+    return with_changes(modes, [poles - modes.poles])

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from suspid.identification.covariance import estimate_of
+from suspid.identification.covariance import estimate_of, with_changes
 from suspid.identification.noise import loudness, power_near, shared_noise
 from suspid.identification.nonlinear.amplitude import (
     covariance_of,
@@ -19,7 +17,7 @@ from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.linearised import modes_of_structure
 from suspid.model import ModalSet
-from suspid.units import ComplexArray, RealArray, Second
+from suspid.units import RealArray
 from suspid.values import frozen_real
 
 
@@ -62,8 +60,10 @@ def _modes_of_driven(
         inflation=widening,
     )
     found = joint.modes(step=step, channels=channels)
+    # What the choice of the stretch does to each pole.
+    windows = [window_changes(fit, int(k), complex(exponents[k]), refit=True) for k in order]
     return (
-        _with_windows(found, fit, order.tolist(), exponents, step),
+        with_changes(found, np.stack(windows, axis=1) / step),
         frozen_real(loud),
         tuple(
             dependence(
@@ -72,18 +72,6 @@ def _modes_of_driven(
             for k, wide in zip(order, widening, strict=True)
         ),
     )
-
-
-def _with_windows(modes: ModalSet, fit: DrivenFit, order: list[int], exponents: ComplexArray, step: Second) -> ModalSet:
-    """Return the modes with what the choice of the stretch does to each pole in its covariance."""
-    assert modes.covariance is not None
-    covariance = modes.covariance.copy()
-    for mode, k in enumerate(order):
-        at = slice(2 * mode, 2 * mode + 2)
-        for change in window_changes(fit, k, complex(exponents[k]), refit=True) / step:
-            parts = np.array([change.real, change.imag])
-            covariance[at, at] += np.outer(parts, parts)
-    return replace(modes, covariance=covariance)
 
 
 def _amplitude_errors(fit: DrivenFit, modes: list[int]) -> tuple[RealArray, RealArray]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.covariance import estimate_of
+from suspid.identification.covariance import estimate_of, with_changes
 from suspid.identification.noise import loudness, power_near, shared_noise
 from suspid.identification.nonlinear.amplitude import over_windows
 from suspid.identification.nonlinear.dependence import AmplitudeDependence
@@ -134,18 +133,12 @@ def _with_windows(
     The stretch may start half a period of the slowest mode later, or end a fifth earlier. For the slowest mode, the
     decrement and the frequency of its motion may be taken instead of the poles of equivalent linear systems.
     """
-    assert modes.covariance is not None
-    covariance = modes.covariance.copy()
     half = min(int(np.pi / float(np.min(fit.theta.imag))), count // 2)
     means = [
         mean_poles(fit, fit.structures, fit.motion, window)[0]
         for window in (slice(half, count), slice(0, count - count // 5))
     ]
-    for others in (*means, _decrement(fit, exponents)):
-        for mode, change in enumerate((others - exponents)[order] / step):
-            at, parts = slice(2 * mode, 2 * mode + 2), np.array([change.real, change.imag])
-            covariance[at, at] += np.outer(parts, parts)
-    return replace(modes, covariance=covariance)
+    return with_changes(modes, [(others - exponents)[order] / step for others in (*means, _decrement(fit, exponents))])
 
 
 def _decrement(fit: StructureFit, exponents: ComplexArray) -> ComplexArray:
