@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from suspid import Identification, identify
+from suspid import Identification, ModalSet, identify
 from suspid.identification.considered import considered_of
-from suspid.identification.harmonics import combination_of, multiple_of
+from suspid.identification.harmonics import _in_step, combination_of, multiple_of
 from suspid.identification.poles import Poles
 from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Number, Reason
@@ -174,3 +174,15 @@ class TestAcrossASwing:
     @pytest.mark.parametrize("other", [{"turned": 0.5}, {"fades": 0.5}])
     def test_what_is_out_of_step_or_damped_otherwise_is_a_mode(self, other: dict[str, float]) -> None:
         assert np.any(np.abs(self.seen(**other).modes.wn / 8.4 - 1) < 0.01)
+
+    @pytest.mark.parametrize(("part", "share"), [(2, 0.3), (3, 0.005)], ids=["rate", "frequency"])
+    def test_it_must_be_known_to_be_twice_the_swing(self, part: int, share: float) -> None:
+        """Else a mode of its own lies there as well."""
+        poles = np.array([-0.05 + 4.2j, -0.1 + 8.4j])
+        size = abs(poles[1].real if part == 2 else poles[1].imag)
+        fit: Any = SimpleNamespace(amplitudes=np.array([[1.0, 0.0], [0.0, 0.5]], complex), squares=np.ones(2))
+        for factor, known in ((0.9, True), (1.1, False)):
+            spread = np.full(4, 1e-6)
+            spread[part] = factor * share * size
+            modes = ModalSet(poles=poles, channels=("x", "y"), covariance=np.diag(spread**2))
+            assert _in_step(fit, modes, np.arange(2), 0, 1) is known

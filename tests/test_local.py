@@ -141,3 +141,15 @@ def test_a_mode_lies_within_its_interval_of_its_table() -> None:
     (wide,), (sure,) = (each.wn_std for each in (with_tables(modes, (table,)), modes) if each.wn_std is not None)
     assert wide == pytest.approx(5.1 - abs(modes.poles[0]), rel=1e-2)
     assert sure < 1e-3
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_identify_is_as_sure_as_its_table(seed: int) -> None:
+    """Of a damping that follows no law of the library, the mean lies four standard deviations of the fit off it."""
+    found = identify(as_record(decay(seed)[0], timepts=STEP * np.arange(2000)))
+    (each,) = found.amplitude_dependence
+    wn, zeta = each.at(each.holds_at)
+    assert found.modes.wn_std is not None
+    assert found.modes.zeta_std is not None
+    assert abs(wn - found.modes.wn[0]) <= found.modes.wn_std[0]
+    assert abs(zeta - found.modes.zeta[0]) <= found.modes.zeta_std[0]
