@@ -10,6 +10,7 @@ from suspid import Identification, analyse, identify
 from suspid.analysis.choice import explained_by_forces
 from suspid.analysis.longer import _from, _shows_more, shared_modes
 from suspid.decays import find_decays
+from suspid.identification import ForceKind
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear import choice, motion, search, structure
 from suspid.identification.nonlinear.feedback import Record
@@ -51,6 +52,19 @@ class TestTwoMasses:
         (used,) = found.used
         assert used.start < record.start + 0.1 * period
         assert used.stop > min(record.stop, float(record.stamps[-1])) - 0.2 * period
+
+    # Few cycles before a dead stop are doubtful from any start: more poles follow the part that is used as closely as
+    # forces explain all of it. And a decay of eight cycles whose first sample is of the hold before it.
+    @pytest.mark.slow
+    @pytest.mark.parametrize("seed", [930004, 930018])
+    def test_forces_that_explain_all_between_two_rests_are_preferred(self, seed: int, tmp_path: Path) -> None:
+        record = rigs.release("friction", 2, seed=seed)
+        rigs.write(record, tmp_path / "release.csv")
+        found = analyse(tmp_path / "release.csv")
+        assert found.modes.wn == pytest.approx(record.rig.wn / record.pace, rel=0.001)
+        (used,) = found.used
+        assert used.start > record.start
+        assert [force.kind for force in found.identification.forces] == [ForceKind.FRICTION] * 2
 
     @pytest.mark.slow
     def test_no_motion_is_computed_beyond_the_nyquist_frequency(

@@ -546,3 +546,15 @@ def test_friction_that_stops_masses_soon_is_tried(seed: int, tmp_path: Path) -> 
     assert outcome.right
     assert abs(outcome.wn) < 0.002
     assert abs(outcome.zeta) < 0.05
+
+
+# The first sample is of the hold before the release: a third mode follows it, and is none. Of two cycles before a dead
+# stop a linear fit grows.
+@pytest.mark.parametrize(("seed", "late", "within"), [(930_015, -0.003, 0.002), (930_004, 0.002, 0.02)])
+def test_what_is_left_of_the_first_samples_hides_no_modes(seed: int, late: float, within: float) -> None:
+    record = rigs.release("friction", 2, seed=seed)
+    moves = (record.stamps >= record.start + late) & (record.stamps <= record.stop)
+    time = np.linspace(record.stamps[0], record.stamps[-1], len(record.stamps))[moves]
+    found = identify(as_response(time, record.position[:, moves], ["x1", "x2"]))
+    assert found.modes.wn == pytest.approx(record.rig.wn / record.pace, rel=within)
+    assert {force.kind for force in found.forces} == {ForceKind.FRICTION}

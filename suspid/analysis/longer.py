@@ -32,6 +32,8 @@ SHORT_PAUSE = 1.0
 # A release this number of periods of the slowest mode before a decay is tried as its start: a fast mode may have died
 # since. A smaller number costs the time of a fit for nothing.
 EARLIER = 0.3
+# Samples at its start that may be of the hold before a decay: the first fits take means over some.
+OF_HOLD = 2.5
 # The motion goes on after a decay if the samples there spread by more than this many standard deviations of the
 # residual. White noise hardly spreads by more than ten; a smaller number costs the time of a fit where none is needed.
 MOVES = 15.0
@@ -116,18 +118,20 @@ def _before(used: Decay, decays: Sequence[Decay], signal: Signal) -> list[Decay]
 def _earlier(record: control.TimeResponseData, best: Used) -> Iterator[Decay]:
     """Yield longer decays that begin earlier: where the motion before was let go, then where those before it begin.
 
-    First that from where it was let go to where all channels rest, if they do: it is all of the motion.
+    First that from where it was let go to where all channels rest, if they do: it is all of the motion. The first
+    samples of the one that is used may be of the hold before it.
     """
     if len(best.used) != 1 or not isinstance(best.decays, Decays):
         return
     signal, used = as_signal(record), best.used[0]
     before = _before(used, best.decays, signal)
-    released = _released(record, used, min(decay.start for decay in (used, *before)))
+    released = _released(record, used, min(decay.start for decay in (used, *before)) + OF_HOLD * signal.step)
     rest = rests_from(signal)
     # The last samples are alike by chance.
     rests = signal.timepts[-1] - rest > EARLIER * _period(used)
-    if rests and used.stop < rest and not _followed(signal, best):
-        yield from (replace(_to_the_end(used, rest), start=start) for start in released)
+    if rests and used.stop <= rest and not _followed(signal, best):
+        all_of_it = (replace(_to_the_end(used, rest), start=start) for start in released)
+        yield from (decay for decay in all_of_it if (decay.start, decay.stop) != (used.start, used.stop))
     yield from (_from(used, start) for start in released if start < used.start - EARLIER * _period(used))
     yield from before
 
@@ -176,7 +180,7 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     good a verdict.
     """
     if longer.verdict.level is Level.DOUBTFUL:
-        return False
+        return found is not None and found.verdict.level is Level.DOUBTFUL and _with_fewer(longer, found)
     traced = found is not None and any(c.remark.code is Reason.TRACE for c in found.considered)
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL or traced:
         return settled(longer) or explained_by_forces(longer)
@@ -188,6 +192,14 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     kept = bool(np.all(apart < np.maximum(SAME_POLE * modes.wn, unknown))) or explains(longer, found)
     more = _known(longer) - _known(found)
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
+
+
+def _with_fewer(longer: Identification, found: Identification) -> bool:
+    """Return whether forces explain a longer decay down to its noise, and its part as well as more poles do.
+
+    Where friction soon stops all masses, few cycles leave either doubtful.
+    """
+    return bool(longer.forces) and settled(longer) and explains(longer, found)
 
 
 def _shows_all(longer: Identification, used: Decay) -> bool:

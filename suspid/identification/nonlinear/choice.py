@@ -118,13 +118,16 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
     takes many times longer.
     """
     waits = len(fit.theta) == 1 and fit.structures.kind is not ForceKind.FRICTION
-    fit = fit if waits else _needed(fit)
-    while leaves_more(fit, fit.record.noise) and len(fit.theta) < most:
-        more = _with_mode(fit)
+    fits = [fit if waits else _needed(fit)]
+    while leaves_more(fits[-1], fit.record.noise) and len(fits[-1].theta) < most:
+        more = _with_mode(fits[-1])
         if more is None:
             break
-        fit, waits = _needed(more), False
-    return _needed(fit) if waits else fit
+        fits.append(_needed(more))
+    if waits and len(fits) == 1:
+        fits = [_needed(fit)]
+    # A mode that does not stand takes none of the others with it.
+    return next((each for each in reversed(fits) if np.all(stands(each))), fits[-1])
 
 
 def _sticks(bent: Bent, noise: WhiteNoise) -> bool:

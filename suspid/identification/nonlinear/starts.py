@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,7 +29,23 @@ def starts_of(record: Record, strong: DrivenFit, bent: Bent | None) -> list[Driv
     if len(strong.drive.theta) == 1:
         beside = _with_other(record, strong)
         starts = starts if beside is None else [beside, *starts]
-    return [start for start in starts if np.all(start.drive.theta.real < 0)]
+    decaying = (_decaying(record, start) for start in starts)
+    return [start for start in decaying if start is not None]
+
+
+def _decaying(record: Record, start: DrivenFit) -> DrivenFit | None:
+    """Return a start with light damping in place of growth: over the first cycles, friction bends a fit to that.
+
+    A start with forces is none.
+    """
+    theta = start.drive.theta
+    grows = theta.real >= 0
+    if not grows.any():
+        return start
+    if len(start.drive.forces):
+        return None
+    light = np.where(grows, -LIGHT * np.abs(theta) + 1j * theta.imag, theta)
+    return maximize(record.values, replace(start.drive, theta=light), record.noise, steps=0)
 
 
 def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
