@@ -14,9 +14,10 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.words import LeftOut, Remark
 
-# The beginning of a file, in which its layout shows, and pieces that are searched at a time [bytes]: more cost memory.
+# The beginning of a file, in which its layout shows, and pieces that are read at a time [bytes]: larger ones do not
+# stay in the cache of a processor, smaller ones are begun too often.
 TOP = 1 << 16
-PIECE = 1 << 22
+PIECE = 1 << 20
 # Bytes that are compared at a time: as many as stay in the cache of a processor.
 COMPARED = 1 << 17
 

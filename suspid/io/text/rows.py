@@ -130,7 +130,7 @@ def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False)
     skipped = frozenset({*blank, *odd})
     last = next(n for n in range(line - 1, -1, -1) if n not in skipped)
     ending = (
-        _ending(text[max(start, len(text) - PIECE // 16) :], line, layout, skipped)
+        _ending(text[max(start, len(text) - PIECE // 4) :], line, layout, skipped)
         if is_open and last == line - 1 > layout.first + 1
         else None
     )
