@@ -116,7 +116,8 @@ def filled(stamps: RealArray) -> int:
     >>> filled(np.array([0.0, np.nan, 2.0, np.nan]))
     3
     """
-    return int(np.max(np.flatnonzero(np.isfinite(stamps)), initial=-1)) + 1
+    known = np.isfinite(stamps)
+    return known.size - int(np.argmax(known[::-1])) if np.any(known) else 0
 
 
 def never_falls(stamps: RealArray) -> bool:

@@ -43,7 +43,8 @@ def counted_from_first(
 
 def _start(stamps: RealArray) -> Second:
     """Return the first stamp that is a number and no outlier; minus infinity if stamps do not count from a date."""
-    known = stamps[np.isfinite(stamps)]
+    # Of most clocks the largest stamp tells.
+    known = stamps[np.isfinite(stamps)] if np.any(stamps > SINCE_A_DATE) else stamps[:0]
     if not known.size or not float(np.median(known)) > SINCE_A_DATE:
         return -np.inf
     return float(known[known > SINCE_A_DATE][0])

@@ -49,7 +49,7 @@ def with_own_rows(channels: Sequence[RawChannel]) -> list[RawChannel]:
 
 def _slower(times: RealArray, filled: Flags) -> bool:
     """Return whether the filled rows of a table follow each other regularly, and clearly slower than all rows."""
-    if np.sum(filled) < FEW_FILLED or SPARSE * np.sum(filled) > filled.size:
+    if not FEW_FILLED <= np.count_nonzero(filled) <= filled.size / SPARSE:
         return False
     steps, every = np.diff(times[filled]), float(np.median(np.diff(times)))
     usual = float(np.median(steps))
