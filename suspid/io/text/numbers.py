@@ -44,6 +44,8 @@ def _by_arrow(piece: bytes, use: Sequence[int], layout: Layout) -> RealArray | N
         return None
     names = [str(k) for k in range(len(layout.names))]
     used = [names[k] for k in use]
+    # A blank cell beside others is a missing number; numpy would refuse it, and its rows be read cell by cell.
+    blank = [""] if len(names) > 1 else []
     try:
         table = text.read_csv(
             arrow.BufferReader(piece),
@@ -52,7 +54,7 @@ def _by_arrow(piece: bytes, use: Sequence[int], layout: Layout) -> RealArray | N
                 delimiter=dialect.delimiter, quote_char=False, double_quote=False, ignore_empty_lines=False
             ),
             convert_options=text.ConvertOptions(
-                column_types=dict.fromkeys(used, arrow.float64()), include_columns=used, null_values=[],
+                column_types=dict.fromkeys(used, arrow.float64()), include_columns=used, null_values=blank,
                 decimal_point="," if dialect.comma else ".",
             ),
         )  # fmt: skip
