@@ -9,6 +9,7 @@ import importlib
 import io
 import sys
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ def _by_arrow(piece: bytes, use: Sequence[int], layout: Layout) -> RealArray | N
         return None
     names = [str(k) for k in range(len(layout.names))]
     used = [names[k] for k in use]
-    # A blank cell beside others is a missing number; numpy would refuse it, and its rows be read cell by cell.
+    # A blank cell beside others is a missing number.
     blank = [""] if len(names) > 1 else []
     try:
         table = text.read_csv(
@@ -74,9 +75,31 @@ def loaded(rows: str | Sequence[str], count: int, use: Sequence[int], layout: La
         whole = whole.replace(",", ".")
         rows = whole if isinstance(rows, str) else whole.split("\n")
     # The text is read as a file: splitting it into lines would take half as long as reading its numbers.
-    lines = io.StringIO(rows) if isinstance(rows, str) else rows
+    read = partial(np.loadtxt, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
     try:
-        values = np.loadtxt(lines, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
+        values = read(io.StringIO(rows) if isinstance(rows, str) else rows)
     except ValueError:
-        return None
+        whole = rows if isinstance(rows, str) else "\n".join(rows)
+        filled = whole if delimiter is None else _with_blanks_filled(whole, delimiter)
+        if filled == whole:
+            return None
+        try:
+            values = read(io.StringIO(filled))
+        except ValueError:
+            return None
     return values.T if len(values) == count else None
+
+
+def _with_blanks_filled(rows: str, delimiter: str) -> str:
+    r"""Return rows with a word for a missing number in each blank cell, which numpy refuses.
+
+    Examples
+    --------
+    >>> _with_blanks_filled("0,,,1\n,2,3,\n", ",")
+    '0,nan,nan,1\nnan,2,3,nan\n'
+    """
+    lines = f"\n{rows}\n"
+    # Of blank cells in a row, each pass fills every second one.
+    for _ in range(2):
+        lines = lines.replace(2 * delimiter, f"{delimiter}nan{delimiter}")
+    return lines.replace(f"\n{delimiter}", f"\nnan{delimiter}").replace(f"{delimiter}\n", f"{delimiter}nan\n")[1:-1]
