@@ -73,7 +73,7 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
 def _read(stamps: RealArray, values: RealArray, rate: Hertz | None, *, distinct: bool = False) -> Clock:
     """Return the clock; with ``distinct``, rows count as doubled only where the other stamps differ."""
     rows, findings = stamped(stamps)
-    lost = np.setdiff1d(np.arange(stamps.size), rows)
+    lost = np.delete(np.arange(stamps.size), rows)
     clock, repeated = _as_they_are(stamps, values, rows, lost, rate, distinct=distinct)
     if clock is not None:
         return replace(clock, findings=(*findings, *repeated, *clock.findings))

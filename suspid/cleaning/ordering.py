@@ -79,6 +79,8 @@ def _far_ends(times: RealArray) -> NDArray[np.bool_]:
 
 def numbered(rows: Indices, lost: Indices) -> Indices:
     """Return the numbers of rows in order of time, where the lost rows of the file have had numbers of their own."""
+    if not lost.size:
+        return np.arange(rows.size)
     ordered_rows = np.sort(rows)
     return np.asarray(
         np.arange(rows.size) + np.searchsorted(lost, ordered_rows) - np.searchsorted(lost, ordered_rows[0])
