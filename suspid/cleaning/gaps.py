@@ -44,8 +44,10 @@ def runs(flags: Flags) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     >>> first.tolist(), after.tolist()
     ([0, 2], [1, 4])
     """
-    edges = np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))
-    return np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+    beside = np.zeros(flags.size + 2, bool)
+    beside[1:-1] = flags
+    edges = np.flatnonzero(beside[1:] != beside[:-1])
+    return edges[::2], edges[1::2]
 
 
 def fill(name: str, times: RealArray, values: RealArray) -> Filled:
