@@ -208,7 +208,7 @@ class Fit:
                 split[[one, other]] |= same_shape(self.solution, one, other, colour=colour)
         return split
 
-    @property
+    @cached_property
     def loudness(self) -> RealArray:
         """Power of the residual near each pole over that of the noise, (pole,); 1 where they agree."""
         return loudness(self.residual, self.variance, self.poles.every, beside=self._power_near, weights=self._weights)
