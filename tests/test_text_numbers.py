@@ -55,6 +55,26 @@ class TestNumbers:
                 told.append(str(error))
         assert told[0] == told[1]
 
+    @pytest.mark.parametrize("odd", ["", ",,", "nan,nan,nan", "# cold", "1,,2", "end", "3.0", '3.0,"7",1'])
+    @pytest.mark.parametrize("end", ["\n", "", "\n\n", "1\nend of file\n"])
+    def test_rows_are_the_same_with_and_without_their_numbers(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, odd: str, end: str
+    ) -> None:
+        pytest.importorskip("pyarrow.csv")
+        monkeypatch.setattr("suspid.io.text.numbers.WORTH_ARROW", 0)
+        rows = [f"{k / 10},{k % 7:.3f},{k % 3:.3f}" for k in range(50)]
+        rows[30] = odd
+        (tmp_path / "r.csv").write_text("\n".join(["t,a,b", *rows]) + end)
+        told: list[object] = []
+        for most in (0, 1 << 62):
+            monkeypatch.setattr("suspid.io.text.numbers.HELD_TWICE", most)
+            try:
+                found = read_recording(tmp_path / "r.csv")
+                told.append((found.left_out, [channel.values.tobytes() for channel in found.channels]))
+            except RecordError as error:
+                told.append(str(error))
+        assert told[0] == told[1]
+
     @pytest.mark.parametrize("minus", ["-1.5", "\N{MINUS SIGN}1.5"])
     def test_the_minus_of_spreadsheets(self, tmp_path: Path, minus: str) -> None:
         rows = "".join(f"{k / 10},{minus if k % 2 else '1.5'}\n" for k in range(50))

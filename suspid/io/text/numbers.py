@@ -20,6 +20,8 @@ from suspid.units import RealArray
 # Bytes of a text from which on pyarrow is imported to read it: its import takes the time that it saves on as many.
 # Pieces of fewer bytes than the second number are read as fast by numpy.
 WORTH_IMPORT, WORTH_ARROW = 1 << 21, 1 << 13
+# Bytes of a text up to which its numbers may be held twice for a moment.
+HELD_TWICE = 1 << 24
 
 
 def loaded_piece(piece: bytes, count: int, use: Sequence[int], layout: Layout, *, size: int) -> RealArray | None:
@@ -27,17 +29,16 @@ def loaded_piece(piece: bytes, count: int, use: Sequence[int], layout: Layout, *
 
     pyarrow is the faster of the two, where it is installed; ``size`` is that of the whole text [bytes].
     """
-    values = None
-    here = size >= WORTH_IMPORT or "pyarrow" in sys.modules
-    if here and len(piece) >= WORTH_ARROW and layout.dialect.delimiter != " ":
-        values = _by_arrow(piece, use, layout)
-    if values is None or values.shape[1] != count:
-        return loaded(piece.decode(), count, use, layout)
-    return values
+    values = _by_arrow(piece, count, use, layout, size=size)
+    return loaded(piece.decode(), count, use, layout) if values is None else values
 
 
-def _by_arrow(piece: bytes, use: Sequence[int], layout: Layout) -> RealArray | None:
+def _by_arrow(piece: bytes, count: int, use: Sequence[int], layout: Layout, *, size: int) -> RealArray | None:
+    """Return what `loaded_piece` does, as pyarrow reads it; None also where numpy is as fast, with its import."""
     dialect = layout.dialect
+    here = size >= WORTH_IMPORT or "pyarrow" in sys.modules
+    if not here or len(piece) < WORTH_ARROW or dialect.delimiter == " ":
+        return None
     try:
         arrow: Any = importlib.import_module("pyarrow")
         text: Any = importlib.import_module("pyarrow.csv")
@@ -61,7 +62,19 @@ def _by_arrow(piece: bytes, use: Sequence[int], layout: Layout) -> RealArray | N
         )  # fmt: skip
     except (arrow.ArrowInvalid, arrow.ArrowKeyError):
         return None
-    return np.array([column.to_numpy() for column in table.columns])
+    return np.array([column.to_numpy() for column in table.columns]) if table.num_rows == count else None
+
+
+def every_number(piece: bytes, count: int, layout: Layout, *, size: int) -> RealArray | None:
+    """Return the numbers of all columns of a piece, (column, line), None where pyarrow does not read each line as some.
+
+    Of texts of more than `HELD_TWICE` bytes there are none: they would be held twice.
+    """
+    plain = all(layout.names) and set(layout.kinds.values()) <= {"number", "missing"}
+    # What ends in a blank line would be read in vain.
+    if not plain or size > HELD_TWICE or b'"' in piece or piece.endswith(b"\n\n"):
+        return None
+    return _by_arrow(piece, count, range(len(layout.names)), layout, size=size)
 
 
 def loaded(rows: str | Sequence[str], count: int, use: Sequence[int], layout: Layout) -> RealArray | None:
