@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from suspid import Identification, analyse, identify
-from suspid.analysis.choice import explained_by_forces
+from suspid.analysis.choice import explained_by_forces, with_few_cycles
 from suspid.analysis.longer import _from, _shows_more, shared_modes
 from suspid.decays import find_decays
 from suspid.identification import ForceKind
@@ -52,6 +52,16 @@ class TestTwoMasses:
         (used,) = found.used
         assert used.start < record.start + 0.1 * period
         assert used.stop > min(record.stop, float(record.stamps[-1])) - 0.2 * period
+
+    # The last swings, or some of few, look like a linear decay of another mode.
+    @pytest.mark.slow
+    @pytest.mark.parametrize(("seed", "modes"), [(940_013, 0), (940_058, 2)])
+    def test_a_few_cycles_of_what_friction_stops_are_no_mode(self, seed: int, modes: int, tmp_path: Path) -> None:
+        record = rigs.release("friction", 2, seed=seed)
+        rigs.write(record, tmp_path / "release.csv")
+        found = analyse(tmp_path / "release.csv").modes
+        assert len(found) == modes
+        assert not modes or found.wn == pytest.approx(record.rig.wn / record.pace, rel=0.002)
 
     # Few cycles before a dead stop are doubtful from any start: more poles follow the part that is used as closely as
     # forces explain all of it. And a decay of eight cycles whose first sample is of the hold before it.
@@ -154,6 +164,22 @@ def test_forces_explain_what_is_longer_than_a_stretch_with_a_trace() -> None:
     assert _shows_more(longer, found) is explained_by_forces(longer) is True
     alone = replace(found, considered=())
     assert not _shows_more(longer, alone)
+
+
+@pytest.mark.parametrize(("cycles", "preferred"), [(2.4, True), (12.0, False)])
+def test_a_few_cycles_of_another_mode_give_way_to_a_longer_decay(cycles: float, preferred: bool) -> None:
+    """The last swings under friction are followed by a linear mode that is none."""
+    rng, time = np.random.default_rng(1), np.arange(1000) / 100
+    longer = identify(
+        as_response(time, (np.exp(-0.3 * time) * np.cos(7 * time) + 1e-3 * rng.standard_normal(1000))[None], ["seat"])
+    )
+    short = np.arange(300) / 100
+    wd = 2 * np.pi * cycles / short[-1]
+    end = np.exp(-0.05 * wd * short) * np.cos(wd * short) + 1e-4 * rng.standard_normal(short.size)
+    found = identify(as_response(short, end[None], ["seat"]))
+    assert len(longer.modes) == len(found.modes) == 1
+    assert with_few_cycles(found).all() == preferred
+    assert _shows_more(longer, found) is preferred
 
 
 def test_a_start_that_is_earlier_has_not_the_few_cycles_of_the_end() -> None:

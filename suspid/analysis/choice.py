@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.analysis.free_swings import doubts_of_swings
 from suspid.analysis.settings import Settings
@@ -101,6 +102,12 @@ def settled(found: Identification) -> bool:
 def damping_known(found: Identification) -> bool:
     """Return whether no damping ratio has an interval that reaches zero."""
     return not any(check.remark.code is ModeCheck.DAMPING_UNKNOWN for check in found.verdict.checks)
+
+
+def with_few_cycles(found: Identification) -> NDArray[np.bool_]:
+    """Return which modes make few cycles and have not decayed by the end: any motion may look like it, (mode,)."""
+    numbers = {c.remark.numbers["mode"] for c in found.verdict.checks if c.remark.code is ModeCheck.FEW_CYCLES}
+    return np.array([k + 1 in numbers for k in range(len(found.modes))], bool)
 
 
 def explains(whole: Identification, part: Identification) -> bool:

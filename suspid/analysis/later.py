@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import damping_known, level_of, tried
+from suspid.analysis.choice import damping_known, level_of, tried, with_few_cycles
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import LATER_SHARES, swings
 from suspid.analysis.support import questioned, supported
@@ -47,6 +47,9 @@ def from_later(
         used = instead_of(stretch, used_of(record, decays, part))
         again = tried(used.record, settings)
         if again is None or not len(again.modes) or not swings(again.modes) or not damping_known(again):
+            continue
+        # Of several parts, a few cycles of friction are a mode by chance.
+        if with_few_cycles(again)[:1].any():
             continue
         kept = supported(again, used, settings, whole=record)
         if level_of(kept, used.used, decays) > Level.DOUBTFUL:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import explained_by_forces, explains, settled, tried
+from suspid.analysis.choice import explained_by_forces, explains, settled, tried, with_few_cycles
 from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
@@ -176,8 +176,8 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
 
     Where the other is doubtful, or has a trace of something else, forces may explain the longer one instead. It has all
-    modes of the other unless that is doubtful, or explains its part as well; and more modes that are well known or as
-    good a verdict.
+    modes of the other unless that is doubtful, makes few cycles, or explains its part as well; and more modes that are
+    well known or as good a verdict.
     """
     if longer.verdict.level is Level.DOUBTFUL:
         return found is not None and found.verdict.level is Level.DOUBTFUL and _with_fewer(longer, found)
@@ -186,10 +186,13 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
         return settled(longer) or explained_by_forces(longer)
     if not settled(longer):
         return False
-    modes = found.modes
+    modes, few = found.modes, with_few_cycles(found)
     apart = np.min(np.abs(modes.poles[:, None] - longer.modes.poles), axis=1)
     unknown = np.zeros(len(modes)) if modes.wn_std is None else NORMAL_95 * modes.wn_std
-    kept = bool(np.all(apart < np.maximum(SAME_POLE * modes.wn, unknown))) or explains(longer, found)
+    same = apart < np.maximum(SAME_POLE * modes.wn, unknown)
+    if few[:1].any() and not with_few_cycles(longer).any() and np.all(same | few):
+        return True
+    kept = bool(np.all(same)) or explains(longer, found)
     more = _known(longer) - _known(found)
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
 
