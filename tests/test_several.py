@@ -171,6 +171,16 @@ class TestSeveralInOneFile:
         assert RecordCheck.ONE_OF_TESTS in codes(found)
         assert found.verdict.level is Level.CARE
 
+    def test_one_that_never_moves_is_not_the_first(self, tmp_path: Path) -> None:
+        """A step that was asked for, on a clock of its own, is constant."""
+        record = as_signal(free_decay(CAR, np.arange(800) / 200, initial_state={"v_chassis": 0.5}))
+        asked = {"time": np.arange(400) / 100, "signal": np.ones(400)}
+        answer = {"time": record.timepts, "signal": record.values[1]}
+        scipy.io.savemat(tmp_path / "step.mat", {"step": {"input": asked, "output": answer}})
+        found = analyse(tmp_path / "step.mat")
+        assert as_signal(found.record).channels == ("step.output.signal",)
+        assert RecordCheck.ONE_OF_TESTS in codes(found)
+
     def test_one_is_chosen(self, tmp_path: Path) -> None:
         found = analyse(two_in_one(tmp_path, CAR, OTHER), settings=Settings(test="Al"))
         assert found.verdict.level is Level.SOUND

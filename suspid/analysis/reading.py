@@ -53,8 +53,9 @@ def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Sett
         if settings.test is not None:
             recording = recording.of_test(settings.test)
         elif settings.channels is None and len(recording.tests) > 1:
-            notes = (Remark(Note.ONE_OF_TESTS, {"tests": recording.tests, "used": recording.tests[0]}),)
-            recording = recording.of_test(recording.tests[0])
+            used = _first_that_moves(recording)
+            notes = (Remark(Note.ONE_OF_TESTS, {"tests": recording.tests, "used": used}),)
+            recording = recording.of_test(used)
         kept = _kept(recording.names, settings)
         wanted = None if settings.channels is None else kept
         if wanted is None:
@@ -62,6 +63,12 @@ def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Sett
         cleaned = clean(recording, channels=wanted, fs=settings.fs, start=settings.start, stop=settings.stop)
     cleaned, done = _as_wanted(cleaned, settings)
     return Read(recording=recording, cleaned=cleaned, notes=(*notes, *done))
+
+
+def _first_that_moves(recording: Recording) -> str:
+    """Return the name of the first test with a channel that is not constant: what was asked for may be one test."""
+    moving = {channel.test for channel in recording.channels if not np.all(channel.values == channel.values[:1])}
+    return next((name for name in recording.tests if name in moving), recording.tests[0])
 
 
 def tests_of(source: str | os.PathLike[str] | Recording, settings: Settings) -> list[Recording]:
