@@ -206,7 +206,15 @@ class TestGaps:
         with pytest.raises(RecordError, match="too long to fill"):
             clean(recording(T, values))
 
-    @pytest.mark.parametrize("period", [15.0, 25.0, 40.0, 100.0])
+    @pytest.mark.parametrize("period", [100, 1000])
+    def test_a_sinusoid_bears_a_third_of_its_period_however_many_samples(self, period: int) -> None:
+        for share, filled in ((0.3, True), (0.4, False)):
+            times = np.arange(40 * period) / 200
+            values = np.sin(2 * np.pi * np.arange(times.size) / period)
+            values[20 * period : 20 * period + int(share * period)] = np.nan
+            assert bool(fill("seat", times, values).findings) is filled
+
+    @pytest.mark.parametrize("period", [15.0, 25.0, 40.0])
     def test_a_gap_is_filled_up_to_five_percent_and_half_again_the_error_of_one_sample(self, period: float) -> None:
         def error(length: int) -> float:
             """Rms error, over all phases, of the better of cubic and line across a gap in a sinusoid of rms 1."""
@@ -224,6 +232,57 @@ class TestGaps:
             values = np.sin(2 * np.pi * np.arange(4000) / period)
             values[2000 : 2000 + length] = np.nan
             assert bool(fill("seat", times, values).findings) is filled
+
+    def test_a_slow_motion_bears_a_long_gap_and_the_error_stated_is_about_that_made(self) -> None:
+        times = np.arange(10_000) / 100
+        rng = np.random.default_rng(3)
+        true = np.exp(-times / 60) * np.sin(2 * np.pi * 0.4 * times) + 5e-3 * rng.standard_normal(times.size)
+        values = true.copy()
+        values[3000:3070] = np.nan  # 28 % of the period of 250 samples
+        for first in range(40, 9900, 100):
+            values[first : first + 3] = np.nan
+        filled = fill("swing", times, values)
+        (finding,) = filled.findings
+        assert (finding.kind, finding.remark.numbers["longest"]) == (Defect.MISSING, 70)
+        made = float(np.sqrt(np.mean((filled.values - true)[np.isnan(values)] ** 2)))
+        assert 0.4 < made / float(str(finding.remark.numbers["error"])) < 1.5
+        values[3000:3125] = np.nan
+        assert int(np.sum(np.isnan(fill("swing", times, values).values))) == 125
+
+    def test_long_ones_in_noise_and_in_fast_motion_are_not_filled(self) -> None:
+        times = np.arange(4000) / 100
+        slow, rng = np.sin(2 * np.pi * 0.4 * times), np.random.default_rng(5)
+        for other in (0.3 * np.sin(2 * np.pi * 9 * times), 0.3 * rng.standard_normal(times.size)):
+            values = slow + other
+            values[2000:2040] = np.nan
+            assert not fill("swing", times, values).findings
+
+    def test_a_gap_after_rest_is_judged_by_the_motion_behind_it(self) -> None:
+        times = np.arange(4000) / 100
+        values = np.where(times < 20, 0.0, np.sin(2 * np.pi * 2 * times))
+        values[1960:2000] = np.nan
+        assert not fill("swing", times, values).findings
+
+    def test_the_stretch_to_take_is_that_between_the_gaps_of_most(self) -> None:
+        channels = [decay(T, frequency=f) for f in (3, 4, 5, 6)]
+        for values in channels:
+            values[500:600] = np.nan
+        channels[2][1000:1100] = np.nan
+        with pytest.raises(RecordError, match=r"start=3 and stop=9\.995"):
+            clean(recording(T, *channels))
+        cleaned = clean(recording(T, *channels), start=3, stop=9.995)
+        assert [(f.kind, f.channel) for f in cleaned.findings] == [(Defect.GAPPY_CHANNEL, "c2")]
+
+    @pytest.mark.parametrize(("after", "kept"), [(380, True), (420, False)])
+    def test_four_fifths_behind_a_long_one_are_taken(self, after: int, kept: bool) -> None:
+        values = decay(T)
+        values[after - 100 : after] = np.nan
+        if not kept:
+            with pytest.raises(RecordError, match="too long to fill"):
+                clean(recording(T, values))
+            return
+        cleaned = clean(recording(T, values))
+        assert (kinds(cleaned), cleaned.record.time[0]) == (["cut"], T[after])
 
     def test_long_ones_at_the_ends_are_cut_off(self) -> None:
         values, other = decay(T), decay(T, frequency=5)

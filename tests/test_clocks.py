@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
+from suspid.cleaning import clean
 from suspid.cleaning.clock import Clock
 from suspid.cleaning.clocks import read_clock
 from suspid.cleaning.following import share_followed
 from suspid.errors import RecordError
-from suspid.recordings import RawChannel
+from suspid.recordings import RawChannel, Recording
 from suspid.stamps import grid_of, resolution
 from suspid.stamps.digits import least_excess, line_within
 from suspid.stamps.lines import _longest
@@ -267,6 +268,18 @@ class TestJitter:
         assert kinds(clock) == ["jittering stamps", "missing rows"]
         assert clock.places is not None
         assert clock.places.tolist() == kept.tolist()
+
+    def test_steps_of_a_logger_that_often_waits_are_no_gaps(self) -> None:
+        rng = np.random.default_rng(7)
+        steps = rng.integers(7, 13, 8000) + np.where(rng.random(8000) < 0.09, rng.integers(14, 17, 8000), 0)
+        stamps = np.cumsum(steps) / 1000
+        swing = np.sin(2 * np.pi * 0.4 * stamps)
+        raw = RawChannel(name="swing", unit="", timepts=stamps, values=swing, rate=None)
+        cleaned = clean(Recording(title="", channels=(raw,)))
+        assert [str(finding.kind) for finding in cleaned.findings] == ["irregular stamps", "missing"]
+        # No more samples are missing than rows are on a clock of the mean rate between the waits.
+        assert 0 < cleaned.findings[1].samples < 1.2 * (cleaned.record.time.size - stamps.size)
+        assert np.max(np.abs(cleaned.record.y[0] - np.sin(2 * np.pi * 0.4 * cleaned.record.time))) < 1e-3
 
     def test_event_driven_stamps_are_refused(self) -> None:
         stamps = np.cumsum(np.random.default_rng(2).exponential(0.01, 2000))

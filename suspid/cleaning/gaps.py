@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.cleaning.bridges import bridge
 from suspid.cleaning.findings import Finding, found
 from suspid.units import Flags, RealArray
 from suspid.values import frozen_real
@@ -17,6 +18,11 @@ NEARBY = 200
 # Share of a channel, and of a block of a drive, that may be filled. Above it the noise of the record is no longer that
 # of the sensor.
 MOST_FILLED = 0.1
+# Error up to which a gap is filled, as a share of the rms motion. Larger values fill longer gaps with less of the
+# motion in them.
+MOST_ERROR = 0.05
+# Gaps of a channel beyond the simplest that are bridged: more cost time, and there is little left between them.
+MOST_BRIDGES = 500
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -56,8 +62,10 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
     A gap is filled by the cubic through two samples on each side, or by the line through one on each, whichever has
     the smaller error. The error is measured: neighbouring samples are predicted in the same way as if they were
     missing. A gap of one sample is always filled; a longer one if the error is below a twentieth of the rms motion,
-    or little more than that for one sample (which is noise). In a sinusoid, gaps up to about a third of the period
-    are filled; in noise, few samples. Gaps at the ends are left.
+    or little more than that for one sample (which is noise). What is left is bridged by a polynomial through more
+    samples on each side where the error of that is below a twentieth of the rms motion. In a sinusoid, gaps up to
+    about a third of the period are filled, however many samples that is; in noise, few samples. Gaps at the ends are
+    left.
 
     Parameters
     ----------
@@ -89,26 +97,33 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
     where: list[RealArray] = []
     one = _errors(values, 1, first)
     for length in np.unique(after - first):
-        # Longer gaps are not filled. The error is measured, so that this only bounds the work.
+        # Longer gaps are left to bridges. The error is measured, so that this only bounds the work.
         if length > 20:
             continue
         chosen = np.flatnonzero(after - first == length)
         cubic, line = _errors(values, int(length), first[chosen])
         single = np.min([error[chosen] for error in one], axis=0)
         error = np.minimum(cubic, line)
-        # Largest error of filling: this share of the rms motion plus this multiple of the error for a single sample,
-        # which is noise. Larger values fill longer gaps with less of the motion in them.
-        allowed = (error <= 0.05 * motion + 1.5 * single) if length > 1 else np.ones(chosen.size, bool)
+        # Multiple of the error for a single sample, which is noise, that is allowed beside the share of the motion.
+        allowed = (error <= MOST_ERROR * motion + 1.5 * single) if length > 1 else np.ones(chosen.size, bool)
         for k, by_line, err in zip(chosen[allowed], (line < cubic)[allowed], error[allowed], strict=True):
             gap = slice(first[k], after[k])
             better[gap] = _bridge(values, int(first[k]), int(after[k]), by_line=bool(by_line))
             errors.append(float(err))
             where.append(times[gap])
+    left = np.flatnonzero(np.isnan(better[first]))
+    for k in left[np.argsort((after - first)[left], kind="stable")][:MOST_BRIDGES]:
+        bridged = bridge(better, ~missing, int(first[k]), int(after[k]))
+        if bridged is not None and bridged[1] <= MOST_ERROR * motion:
+            better[first[k] : after[k]] = bridged[0]
+            errors.append(bridged[1])
+            where.append(times[first[k] : after[k]])
     if not where:
         return Filled(values=values, findings=())
     at = np.concatenate(where)
-    rms = float(np.sqrt(np.mean(np.square(errors))))
-    numbers: dict[str, Number] = {"gaps": len(where), "longest": max(map(len, where)), "error": rms}
+    lengths = [len(gap) for gap in where]
+    rms = float(np.sqrt(np.average(np.square(errors), weights=lengths)))
+    numbers: dict[str, Number] = {"gaps": len(where), "longest": max(lengths), "error": rms}
     if motion > 0:
         numbers["share"] = rms / motion
     return Filled(values=frozen_real(better), findings=(found(Defect.MISSING, at, at.size, numbers, channel=name),))

@@ -102,10 +102,12 @@ def whole(placed: Placed, *, by_name: bool) -> tuple[RealArray, dict[str, RealAr
     if not np.any(np.isnan(placed.values)):
         return times, dict(zip(placed.names, placed.values, strict=True)), []
     better = {name: fill(name, times, values) for name, values in zip(placed.names, placed.values, strict=True)}
-    refusals = {name: refusal for name in better if (refusal := _refusal({name: better[name]}, times)) is not None}
+    refused = [name for name in better if _refusal({name: better[name]}, times) is not None]
+    # Where most have gaps, the stretch to take is that between the gaps of most: there, the others are left out.
+    gappy = refused if 2 * len(refused) <= len(better) else _with_own_gaps(better)
     findings: list[Finding] = []
-    if not by_name and 2 * len(refusals) <= len(better):
-        findings = [_gappy(name, times, better.pop(name)) for name in refusals]
+    if not by_name and 2 * len(gappy) <= len(better):
+        findings = [_gappy(name, times, better.pop(name)) for name in gappy]
     refusal = _refusal(better, times)
     if refusal is not None:
         raise refusal
@@ -125,9 +127,16 @@ def _kept(holes: NDArray[np.bool_]) -> slice:
     longest = int(np.argmax(stops - starts))
     # Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and
     # where a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
-    if stops[longest] - starts[longest] >= 0.9 * holes.size:
+    if stops[longest] - starts[longest] >= 0.8 * holes.size:
         first, last = int(starts[longest]), int(stops[longest])
     return slice(first, last)
+
+
+def _with_own_gaps(channels: Mapping[str, Filled]) -> list[str]:
+    """Return the channels with gaps that are left where most of the others have none."""
+    holes = np.isnan([filled.values for filled in channels.values()])
+    own = holes & (np.mean(holes, axis=0) <= 0.5)
+    return [name for name, has in zip(channels, np.any(own, axis=1), strict=True) if has]
 
 
 def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | None:

@@ -88,6 +88,8 @@ def resample(part: Placed, onto: Placed) -> tuple[Placed, Ratio]:
 def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, widest: Second) -> RealArray:
     """Return the cubic spline through the samples at the times wanted; NaN in gaps wider than ``widest``.
 
+    What is nearer to a sample than half a step, as it is between rows without a gap, is known beside a gap as well.
+
     Examples
     --------
     >>> t = np.array([0.0, 0.1, 0.25, 0.3, 0.4, 1.0])
@@ -108,8 +110,9 @@ def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, wides
     spread[inside] = CubicSpline(t, y)(wanted[inside])
     behind = np.clip(np.searchsorted(t, wanted), 1, t.size - 1)
     spread = _within_limits(spread, behind, y)
-    wide = (t[behind] - t[behind - 1] > widest) & (np.abs(t[behind] - wanted) > slack)
-    wide &= np.abs(wanted - t[behind - 1]) > slack
+    wide = t[behind] - t[behind - 1] > widest
+    near = max(slack, 0.5 * widest / WIDE_HOLE) if np.any(wide) else slack
+    wide &= (np.abs(t[behind] - wanted) > near) & (np.abs(wanted - t[behind - 1]) > near)
     spread[wide] = np.nan
     return spread
 
