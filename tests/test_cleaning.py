@@ -308,6 +308,12 @@ class TestGaps:
         with pytest.raises(RecordError, match="too long to fill"):
             clean(recording(T, true, other), channels=["c0", "c1"])
 
+    def test_a_channel_is_left_out_beside_one_without_before_more_than_a_tenth_is_cut(self) -> None:
+        true, other = decay(T, frequency=5), decay(T)
+        other[200:300] = np.nan
+        cleaned = clean(recording(T, true, other))
+        assert [(f.kind, f.channel) for f in cleaned.findings] == [(Defect.GAPPY_CHANNEL, "c1")]
+
     def test_a_channel_with_more_short_ones_than_are_filled_is_left_out_beside_one_without(self) -> None:
         true, other = decay(T, frequency=5), decay(T)
         other[3:1997:4] = np.nan

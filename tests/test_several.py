@@ -30,7 +30,7 @@ from suspid.model import eigenmodes
 from suspid.records import as_response
 from suspid.signals import as_signal
 from suspid.units import RealArray
-from suspid.words import RecordCheck
+from suspid.words import Note, RecordCheck
 
 Write = Callable[..., Path]
 CAR = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=800)
@@ -171,15 +171,18 @@ class TestSeveralInOneFile:
         assert RecordCheck.ONE_OF_TESTS in codes(found)
         assert found.verdict.level is Level.CARE
 
-    def test_one_that_never_moves_is_not_the_first(self, tmp_path: Path) -> None:
-        """A step that was asked for, on a clock of its own, is constant."""
-        record = as_signal(free_decay(CAR, np.arange(800) / 200, initial_state={"v_chassis": 0.5}))
-        asked = {"time": np.arange(400) / 100, "signal": np.ones(400)}
-        answer = {"time": record.timepts, "signal": record.values[1]}
-        scipy.io.savemat(tmp_path / "step.mat", {"step": {"input": asked, "output": answer}})
-        found = analyse(tmp_path / "step.mat")
+    def test_the_first_that_moves_is_used(self, tmp_path: Path) -> None:
+        times, clock = np.arange(800) / 200, np.arange(300) / 100
+        moved = {"time": times, "signal": np.exp(-times) * np.sin(30 * times)}
+        held = {"time": clock, "signal": np.ones(clock.size)}
+        scipy.io.savemat(tmp_path / "s.mat", {"step": {"input": held, "output": moved}})
+        found = analyse(tmp_path / "s.mat")
         assert as_signal(found.record).channels == ("step.output.signal",)
-        assert RecordCheck.ONE_OF_TESTS in codes(found)
+        (said,) = (note for note in found.notes if note.code is Note.ONE_OF_TESTS)
+        assert said.numbers["used"] == "output"
+        scipy.io.savemat(tmp_path / "n.mat", {"step": {"input": held, "output": {**moved, "signal": np.zeros(800)}}})
+        with pytest.raises(RecordError, match="no channel moves: 'step.input.signal': constant at 1"):
+            analyse(tmp_path / "n.mat")
 
     def test_one_is_chosen(self, tmp_path: Path) -> None:
         found = analyse(two_in_one(tmp_path, CAR, OTHER), settings=Settings(test="Al"))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.cleaning import Cleaned, RecordLike, Vertical, as_record, clean, name_in_si, scaled, to_si, vertical
+from suspid.cleaning import Cleaned, RecordLike, Vertical, as_record, clean, moves, name_in_si, scaled, to_si, vertical
 from suspid.errors import InputError, RecordError
 from suspid.files import naming
 from suspid.io import bare_name, read_recording
@@ -53,7 +53,7 @@ def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Sett
         if settings.test is not None:
             recording = recording.of_test(settings.test)
         elif settings.channels is None and len(recording.tests) > 1:
-            used = _first_that_moves(recording)
+            used = _first_moving(recording)
             notes = (Remark(Note.ONE_OF_TESTS, {"tests": recording.tests, "used": used}),)
             recording = recording.of_test(used)
         kept = _kept(recording.names, settings)
@@ -65,10 +65,9 @@ def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Sett
     return Read(recording=recording, cleaned=cleaned, notes=(*notes, *done))
 
 
-def _first_that_moves(recording: Recording) -> str:
-    """Return the name of the first test with a channel that is not constant: what was asked for may be one test."""
-    moving = {channel.test for channel in recording.channels if not np.all(channel.values == channel.values[:1])}
-    return next((name for name in recording.tests if name in moving), recording.tests[0])
+def _first_moving(recording: Recording) -> str:
+    """Return the first test in which a channel moves, as none does in that of a step that is held; else the first."""
+    return next((channel.test for channel in recording.channels if channel.test and moves(channel)), recording.tests[0])
 
 
 def tests_of(source: str | os.PathLike[str] | Recording, settings: Settings) -> list[Recording]:

@@ -12,6 +12,7 @@ from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping, is_clipped
 from suspid.cleaning.clock import DRIFT
+from suspid.cleaning.constant import moves
 from suspid.cleaning.conversions import name_in_si, scaled, si_unit, to_si
 from suspid.cleaning.data_forms import RecordLike, is_pair
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
@@ -54,6 +55,7 @@ __all__ = [
     "interpolate",
     "is_clipped",
     "is_pair",
+    "moves",
     "name_in_si",
     "named_quantities",
     "named_quantity",

@@ -20,17 +20,8 @@ def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel
     kept: list[RawChannel] = []
     findings: list[Finding] = []
     for channel in channels:
-        some = possible(channel.values)
-        some = some if some is channel.values else some[np.isfinite(some)]
-        # Half the samples must be numbers. Less could not be repaired: at most a tenth is filled.
-        if some.size < max(2, 0.5 * channel.values.size):
-            why: dict[str, Number] = {"finite": some.size}
-            huge = int(np.sum(np.isfinite(channel.values) & (np.abs(channel.values) >= LARGEST_SIZE)))
-            if huge:
-                why |= {"huge": huge, "limit": LARGEST_SIZE}
-        elif _is_constant(some):
-            why = {"constant": float(some[0])}
-        else:
+        why = _why_dead(channel)
+        if why is None:
             kept.append(channel)
             continue
         finite = channel.timepts[np.isfinite(channel.timepts)]
@@ -38,6 +29,29 @@ def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel
     if not kept:
         raise RecordError(_nothing_moves(findings))
     return kept, findings
+
+
+def moves(channel: RawChannel) -> bool:
+    """Return whether a channel holds a motion: numbers in half of its samples or more, and not always the same.
+
+    Examples
+    --------
+    >>> t = np.arange(3) / 100
+    >>> [moves(RawChannel(name="force", unit="N", timepts=t, values=y, rate=None)) for y in (t, np.ones(3))]
+    [True, False]
+    """
+    return _why_dead(channel) is None
+
+
+def _why_dead(channel: RawChannel) -> dict[str, Number] | None:
+    """Return the numbers of why a channel holds no motion, or None if it holds one."""
+    some = possible(channel.values)
+    some = some if some is channel.values else some[np.isfinite(some)]
+    # Half the samples must be numbers. Less could not be repaired: at most a tenth is filled.
+    if some.size < max(2, 0.5 * channel.values.size):
+        huge = int(np.sum(np.isfinite(channel.values) & (np.abs(channel.values) >= LARGEST_SIZE)))
+        return {"finite": some.size, **({"huge": huge, "limit": LARGEST_SIZE} if huge else {})}
+    return {"constant": float(some[0])} if _is_constant(some) else None
 
 
 def stilled(times: RealArray, table: dict[str, RealArray], *, by_name: bool) -> list[Finding]:

@@ -113,6 +113,8 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
             where.append(times[gap])
     left = np.flatnonzero(np.isnan(better[first]))
     for k in left[np.argsort((after - first)[left], kind="stable")][:MOST_BRIDGES]:
+        if sum(map(len, where)) + after[k] - first[k] > MOST_FILLED * values.size:
+            break
         bridged = bridge(better, ~missing, int(first[k]), int(after[k]))
         if bridged is not None and bridged[1] <= MOST_ERROR * motion:
             better[first[k] : after[k]] = bridged[0]

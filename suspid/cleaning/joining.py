@@ -24,6 +24,10 @@ from suspid.words import Defect, Number, count
 # Relative difference of two rates up to which they are one, of a logger whose clock strays. A slower channel is left
 # out unless asked for by name; a record at such a rate is resampled to that of others.
 ONE_RATE = 0.01
+# Shares of the recording that must be left where its ends are cut off: where a channel is missing at an end, and where
+# a long gap lies near one. A channel that leaves less than the first is left out beside others; all that leave less
+# than the second are refused. Smaller values cut without being asked what the user may have wanted.
+MOST_LEFT, ENOUGH_LEFT = 0.9, 0.8
 
 
 def by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
@@ -102,32 +106,30 @@ def whole(placed: Placed, *, by_name: bool) -> tuple[RealArray, dict[str, RealAr
     if not np.any(np.isnan(placed.values)):
         return times, dict(zip(placed.names, placed.values, strict=True)), []
     better = {name: fill(name, times, values) for name, values in zip(placed.names, placed.values, strict=True)}
-    refused = [name for name in better if _refusal({name: better[name]}, times) is not None]
+    refused = [name for name in better if _refusal({name: better[name]}, times, MOST_LEFT) is not None]
     # Where most have gaps, the stretch to take is that between the gaps of most: there, the others are left out.
     gappy = refused if 2 * len(refused) <= len(better) else _with_own_gaps(better)
     findings: list[Finding] = []
     if not by_name and 2 * len(gappy) <= len(better):
         findings = [_gappy(name, times, better.pop(name)) for name in gappy]
-    refusal = _refusal(better, times)
+    refusal = _refusal(better, times, ENOUGH_LEFT)
     if refusal is not None:
         raise refusal
     findings += [finding for filled in better.values() for finding in filled.findings]
     table = np.array([filled.values for filled in better.values()])
     inside = np.zeros(times.size, bool)
-    inside[_kept(np.any(np.isnan(table), axis=0))] = True
+    inside[_kept(np.any(np.isnan(table), axis=0), ENOUGH_LEFT)] = True
     if not np.all(inside):
         findings.append(_cut(times, inside, missing=True))
     return times[inside], dict(zip(better, table[:, inside], strict=True)), findings
 
 
-def _kept(holes: NDArray[np.bool_]) -> slice:
+def _kept(holes: NDArray[np.bool_], least: Ratio) -> slice:
     """Return the samples between incomplete ends, or the longest stretch without holes where that is most of all."""
     first, last = int(np.argmin(holes)), int(holes.size - np.argmin(holes[::-1]))
     starts, stops = runs(~holes)
     longest = int(np.argmax(stops - starts))
-    # Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and
-    # where a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
-    if stops[longest] - starts[longest] >= 0.8 * holes.size:
+    if stops[longest] - starts[longest] >= least * holes.size:
         first, last = int(starts[longest]), int(stops[longest])
     return slice(first, last)
 
@@ -139,7 +141,7 @@ def _with_own_gaps(channels: Mapping[str, Filled]) -> list[str]:
     return [name for name, has in zip(channels, np.any(own, axis=1), strict=True) if has]
 
 
-def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | None:
+def _refusal(channels: Mapping[str, Filled], times: RealArray, least: Ratio) -> RecordError | None:
     """Return why channels have too many gaps to be one record, or None if they have not."""
     shares = {name: _share_filled(filled) for name, filled in channels.items()}
     full_of_gaps = [name for name, share in shares.items() if share > MOST_FILLED]
@@ -156,7 +158,7 @@ def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | 
     holes = np.any(list(missing.values()), axis=0)
     if np.all(holes):
         return RecordError("there is no time at which all channels have samples; leave one out")
-    kept = _kept(holes)
+    kept = _kept(holes, least)
     if not np.any(holes[kept]) and kept.stop - kept.start >= 0.5 * holes.size:
         return None
     (begin, end), (starts, stops) = runs(holes), runs(~holes)
