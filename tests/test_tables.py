@@ -492,6 +492,12 @@ class TestLateColumns:
         assert np.flatnonzero(np.isfinite(late.values)) == pytest.approx(np.arange(1400, self.ROWS))
         assert late.values[-1] == pytest.approx(np.cos((self.ROWS - 1) / 7), abs=1e-4)
 
+    @pytest.mark.parametrize("last", ["NaN", ""])
+    def test_a_last_column_without_numbers_is_no_such_delimiter(self, tmp_path: Path, last: str) -> None:
+        rows = [f"23/10/2016,08:21:{k / 10:06.3f},{np.sin(k / 9):.4f},{last if k == 0 else 'NaN'}" for k in range(300)]
+        recording = read_recording(write_text(tmp_path, "\r\n" + "\r\n".join(rows)))
+        assert recording["column 3"].values.size == 300
+
     def test_a_delimiter_that_ends_each_row_is_none(self, tmp_path: Path) -> None:
         path = tmp_path / "a.csv"
         path.write_text("t,seat,\n" + "".join(f"{k / 100:.2f},{np.sin(k / 9):.4f},\n" for k in range(1500)))
@@ -710,8 +716,8 @@ class TestOddExports:
 @pytest.mark.parametrize(
     "text",
     ["a" + " " * 20000 + "[" + " " * 20000 + "x", "[ " * 20000, "k" * 20000 + " : " + "1" * 20000, "1" * 20000 + "x",
-     "a_ /" * 20000, "-" * 20000 + "x"],
-    ids=["blanks", "brackets", "key", "digits", "units", "rule"],
+     "a_ /" * 20000, "-" * 20000 + "x", "a: 1," * 20000 + "\n" + "a: 1," * 20000],
+    ids=["blanks", "brackets", "key", "digits", "units", "rule", "labels"],
 )  # fmt: skip
 @pytest.mark.parametrize("top", [True, False], ids=["header", "cell"])
 def test_no_pattern_takes_a_power_of_the_length(text: str, top: bool, tmp_path: Path) -> None:
@@ -762,6 +768,43 @@ class TestStepsInPlaceOfTheTime:
             read(tmp_path, rows)
 
 
+def write_text(folder: Path, text: str) -> Path:
+    path = folder / "a.csv"
+    path.write_bytes(text.encode())
+    return path
+
+
+class TestNamesInCells:
+    """Programs for microcontrollers print a label before each number."""
+
+    @staticmethod
+    def rows(mark: str = ",", colon: str = ": ") -> list[str]:
+        cells = [
+            (f"34:{k / 10:04.1f}", f"Gyro{colon}{np.cos(k):.3f}", f" Set point{colon}{k * k % 17}") for k in range(99)
+        ]
+        return [mark.join(row) for row in cells]
+
+    @pytest.mark.parametrize("mark", [",", ";", "\t"])
+    @pytest.mark.parametrize("colon", [": ", ":", " = "])
+    @pytest.mark.parametrize("above", ["", "started\n\n"])
+    def test_are_those_of_the_columns(self, tmp_path: Path, mark: str, colon: str, above: str) -> None:
+        recording = read_recording(write_text(tmp_path, above + "\n".join(self.rows(mark, colon))))
+        assert recording.names == ("Gyro", "Set point")
+        assert recording["Gyro"].values == pytest.approx(np.round(np.cos(np.arange(99)), 3))
+        assert recording["Gyro"].timepts[-1] == pytest.approx(9.8)
+
+    def test_a_last_row_that_is_cut_off_is_told(self, tmp_path: Path) -> None:
+        recording = read_recording(write_text(tmp_path, "\n".join(self.rows())[:-18]))
+        assert recording["Gyro"].values.size in (97, 98)
+        assert any(what.startswith("line ") for what, _ in recording.left_out)
+
+    def test_others_in_one_row_are_refused(self, tmp_path: Path) -> None:
+        rows = self.rows()
+        rows[50] = rows[50].replace("Gyro", "Gyra")
+        with pytest.raises(RecordError, match="names in a line above"):
+            read_recording(write_text(tmp_path, "\n".join(rows)))
+
+
 class TestNamesBetweenOtherMarks:
     """Programs whose decimals have a comma separate the cells by tabs, and some leave commas between the names."""
 
@@ -770,6 +813,11 @@ class TestNamesBetweenOtherMarks:
         recording = read(tmp_path, f"--- Torsion ---\nTempo,Force,Angle\n{rows}")
         assert recording.names == ("Force", "Angle")
         assert recording["Angle"].timepts[1] == 0.02
+
+    @pytest.mark.parametrize(("line", "names"), [("x y", ("y",)), ("Free decay", ("column 2",))])
+    def test_blanks_between_names_and_tabs_between_cells(self, tmp_path: Path, line: str, names: tuple[str]) -> None:
+        rows = "".join(f"{0.02 * k:.2f}\t{np.cos(k):.3f}\n" for k in range(90))
+        assert read_recording(write_text(tmp_path, f"{line}\n{rows}")).names == names
 
     def test_a_sentence_is_no_header(self, tmp_path: Path) -> None:
         rows = "".join(f"{0.02 * k:.2f}\t{np.cos(k):.3f}\t{np.sin(k):.3f}\n" for k in range(9))

@@ -40,8 +40,9 @@ class Columns:
 
     @property
     def trailing(self) -> bool:
-        """Whether a delimiter ends each row."""
-        return len(self.kinds) > 1 and self.kinds[-1] == "missing"
+        """Whether a delimiter ends each row: nothing follows it, not a word for what is missing."""
+        ends = len(self.kinds) > 1 and self.kinds[-1] == "missing"
+        return ends and not (self.row and self.dialect.cells(self.row)[-1])
 
     def are_data(self, line: str) -> bool:
         """Whether a line is a row of these columns."""
@@ -77,7 +78,7 @@ class Columns:
             wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
             cells = wide if len(wide) == width else _aligned(text, self.row) or cells
         if len(cells) == 1 < width:
-            cells = _marked(cells[0], width) or cells
+            cells = _marked(cells[0], width, comment=bool(mark)) or cells
         # LabVIEW names a column of comments that the rows lack.
         if len(cells) == width + 1 and (not cells[-1] or cells[-1].lower() in REMARKS):
             return cells[:-1]
@@ -132,14 +133,16 @@ def _count_up(cells: Sequence[str]) -> bool:
     return all(map(str.isdecimal, cells)) and all(int(a) < int(b) for a, b in itertools.pairwise(cells))
 
 
-def _marked(line: str, width: int) -> list[str]:
+def _marked(line: str, width: int, *, comment: bool) -> list[str]:
     """Return names that another mark than that of the rows separates, if each column gets one; else none.
 
     Programs that write decimals with a comma separate the cells by tabs, and some leave commas between the names.
+    Blanks stand between the words of titles and comments as well: names that they separate begin with that of an axis.
     """
     for mark in DELIMITERS:
-        cells = Dialect(delimiter=mark, comma=False).cells(line) if mark != " " else []
-        if len(cells) == width and all(kind_of(cell, comma=False) == "text" for cell in cells):
+        cells = Dialect(delimiter=mark, comma=False).cells(line)
+        named = mark != " " or (not comment and _is_axis(next(iter(cells), "")))
+        if len(cells) == width and named and all(kind_of(cell, comma=False) == "text" for cell in cells):
             return cells
     return []
 

@@ -20,6 +20,7 @@ from suspid.io.text.endings import is_open
 from suspid.io.text.late_columns import with_late_column
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.log_stamps import with_point_stamps
+from suspid.io.text.named_cells import with_names_above
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
 from suspid.io.text.step_columns import step_clock
@@ -61,6 +62,7 @@ def read_delimited(path: Path) -> Table:
     text, notes = without_notes(text, within=HEAD_BYTES)
     left_out |= notes
     text = with_coordinates(with_tabs(with_point_stamps(text), within=HEAD_BYTES), within=HEAD_BYTES)
+    text = with_names_above(text, within=HEAD_BYTES)
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:

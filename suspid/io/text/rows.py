@@ -220,8 +220,8 @@ def _is_row(text: str, layout: Layout) -> bool:
         return False
     cells, width = layout.dialect.cells(text), len(layout.names)
     if not layout.names[-1]:
-        # The delimiter at the end of a row may be absent, but nothing may follow it.
-        return len(cells) == width - 1 or (len(cells) == width and not cells[-1])
+        # The delimiter at the end of a row may be absent, but no value may follow it.
+        return len(cells) == width - 1 or (len(cells) == width and layout.dialect.kinds(text)[-1] == "missing")
     # Empty cells behind the last column of a row are dropped.
     if not any(cells[width:]):
         cells = cells[:width]

@@ -79,12 +79,16 @@ def why_no_number(cell: str, dialect: Dialect) -> str:
     Examples
     --------
     >>> print(why_no_number("0.5,", Dialect(delimiter=" ", comma=False)))
-    are not numbers, where decimals follow a point and cells are separated by blanks; separate them by commas alone
+    are not numbers but lie between blanks and commas; write numbers alone between commas, and names in a line above
     """
     if UNCERTAIN.search(cell):
         return "hold a value and its uncertainty; write the uncertainty in a column of its own, or leave it out"
     mend = marks_between(cell) or "write one number in each cell, or leave the column out"
     if dialect.delimiter == " " and cell[-1] in ",;":
-        mend = f"separate them by {DELIMITERS[cell[-1]]} alone"
+        marks = DELIMITERS[cell[-1]]
+        return (
+            f"are not numbers but lie between blanks and {marks}; write numbers alone between {marks}, and names in a "
+            f"line above"
+        )
     sign = "comma" if dialect.comma else "point"
     return f"are not numbers, where decimals follow a {sign} and cells are {dialect}; {mend}"
