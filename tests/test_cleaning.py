@@ -146,6 +146,12 @@ class TestImpossibleSamples:
             values[first : first + 100] += 50 * (-0.6) ** np.arange(100)
         assert Defect.SPIKES not in {finding.kind for finding in inspect("body", T, values).findings}
 
+    @pytest.mark.parametrize("sign", [1, -1])
+    def test_the_peak_of_a_blow_is_no_sentinel(self, sign: int) -> None:
+        values = 1e-3 * np.random.default_rng(2).standard_normal(T.size)
+        values[398:403] = [-0.8, 1.6, 10.9, 0.8, -0.5]
+        assert Defect.SENTINEL not in {finding.kind for finding in inspect("force", T, sign * values).findings}
+
     def test_zeros_in_a_signal_that_stays_far_from_zero(self) -> None:
         values = 9.81 + 0.1 * decay(T, noise=1e-2)
         values[800:803] = 0.0

@@ -281,6 +281,24 @@ class TestJitter:
         assert 0 < cleaned.findings[1].samples < 1.2 * (cleaned.record.time.size - stamps.size)
         assert np.max(np.abs(cleaned.record.y[0] - np.sin(2 * np.pi * 0.4 * cleaned.record.time))) < 1e-3
 
+    @pytest.mark.parametrize(
+        ("noisy", "said"),
+        [
+            ((False,), "% of the motion over all frequencies"),
+            ((False, True), "% of the motion in 'c0' (rms, with noise); most of some other"),
+            ((True, True), "but most of the record is faster: noise, or motion"),
+        ],
+    )
+    def test_the_error_is_said_for_the_channel_that_moves(self, noisy: tuple[bool, ...], said: str) -> None:
+        rng = np.random.default_rng(7)
+        stamps = np.cumsum(rng.integers(7, 18, 4000)) / 1000
+        raw = [
+            RawChannel(name=f"c{k}", unit="", timepts=stamps, rate=None,
+                       values=rng.standard_normal(4000) if noise else np.sin(2.5 * stamps))
+            for k, noise in enumerate(noisy)
+        ]  # fmt: skip
+        assert said in clean(Recording(title="", channels=tuple(raw))).findings[0].text
+
     def test_event_driven_stamps_are_refused(self) -> None:
         stamps = np.cumsum(np.random.default_rng(2).exponential(0.01, 2000))
         with pytest.raises(RecordError, match="too irregular"):

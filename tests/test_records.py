@@ -285,6 +285,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
         "'date' is text such as '04.05.24 01:02:03', n",
     ),
     ("r.csv", "t,seat\n0,1\n", {}, "'seat': 1 number in 1 sample"),
+    ("r.csv", b"\xe3\x81\x00\x02\x90\xff" * 99, {}, "is no text: .*export it as text"),
     ("r.csv", b"t,seat\n0,\x81\n", {}, "is neither UTF-8 nor Windows-1252 text: byte 0x81 on line 2"),
     ("r.csv", b"t,seat\n0,\0\n", {}, r"contains zero bytes \(line 2\)"),
     ("r.csv", b"t,seat\n0,\x1b[2J\n", {}, "contains the control byte 0x1b"),

@@ -13,6 +13,7 @@ from suspid.cleaning.findings import Finding
 from suspid.cleaning.nearest import WIDE_HOLE
 from suspid.stamps import Indices
 from suspid.units import Hertz, Ratio, RealArray, Second
+from suspid.words import Number
 
 # Share of the usual step below which a stamp nearly duplicates the one before: a spline through both would turn their
 # noise into slope.
@@ -61,10 +62,12 @@ def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Seque
     said = list(clock.findings)
     if clock.places is None:
         spread = [interpolate(clock.timepts, clock.stamps, row, widest=WIDE_HOLE * clock.step) for row in values]
-        error = max(halving_error(clock.stamps, row) for row in values)
+        errors = [halving_error(clock.stamps, row) for row in values]
+        least = min(range(len(errors)), key=lambda k: (np.isnan(errors[k]), errors[k]))
+        slow: dict[str, Number] = {"error": max(errors), "least": errors[least], "slowest": names[least]}
         steps = np.diff(clock.stamps)
         close = int(np.sum(steps < CLOSE * np.median(steps)))
-        said[-1] = said[-1].with_numbers({"faithful_below": faithful_below(steps), "error": error, "dropped": close})
+        said[-1] = said[-1].with_numbers({"faithful_below": faithful_below(steps), **slow, "dropped": close})
         placed = np.array(spread)
     elif clock.places.size == clock.timepts.size:
         placed = values

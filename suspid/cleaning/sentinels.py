@@ -69,11 +69,17 @@ def _sentinel(some: RealArray) -> float | None:
         at = np.flatnonzero(some == limit)
         inside = at[(at > 0) & (at < some.size - 1)]
         # The first sample of a blow, and those before one, are far from what follows, but are motion.
-        alone = inside.size > 0 and bool(np.all(np.diff(at) > 1) or limit == 0 or _without_effect(some, at))
+        alone = inside.size > 0 and not (count == 1 and _rises(some, int(at[0]), high if limit > high else low))
+        alone = alone and bool(np.all(np.diff(at) > 1) or limit == 0 or _without_effect(some, at))
         # A channel of two levels is a switch or a counter: a far value is one of its states.
         if (marked or alone) and count < 0.5 * some.size and _levels(others) >= 3:
             return limit
     return None
+
+
+def _rises(some: RealArray, at: int, farthest: float) -> bool:
+    """Return whether a lone value is the peak of a motion: the farthest of all others on its side is its neighbour."""
+    return farthest in (some[max(at - 1, 0)], some[min(at + 1, some.size - 1)])
 
 
 def _without_effect(some: RealArray, at: NDArray[np.intp]) -> bool:

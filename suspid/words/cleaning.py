@@ -9,6 +9,8 @@ from suspid.wording import Argument, moment, when
 from suspid.words.remarks import Code, Number, Words, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Number]
+# Error of a channel, as a share of its motion, above which most of that is noise or faster than the stamps follow.
+MOSTLY_FASTER = 0.5
 
 
 def place(numbers: Numbers) -> str:
@@ -91,18 +93,28 @@ def _jittering_stamps(numbers: Numbers) -> str:
 
 
 def _irregular_stamps(numbers: Numbers) -> str:
-    why = "time stamps lie up to {largest:.2g} samples off any uniform clock"
+    why = f"time stamps lie up to {_plain(_number(numbers, 'largest'))} samples off any uniform clock"
     if "followed" in numbers:
         why += " and the samples follow them (share {followed:.2f} ± {followed_std:.2g})"
     text = f"{why}; interpolated (cubic spline) onto {{rate:.7g}} Hz".format_map(numbers)
     if "faithful_below" in numbers:
-        text += (
-            f"; error below 1 % up to {numbers['faithful_below']:.2g} Hz, at most "
-            f"{100 * _number(numbers, 'error'):.2g} % of the motion over all frequencies (rms, with noise)"
-        )
+        text += f"; error below 1 % up to {numbers['faithful_below']:.2g} Hz, {_over_all(numbers)}"
     if numbers.get("dropped"):
         text += f"; {_count(numbers, 'near-duplicate time stamp', 'dropped')} dropped"
     return text
+
+
+def _over_all(numbers: Numbers) -> str:
+    """Return the error of interpolation over all frequencies, for the channels whose motion is not mostly faster."""
+    most, least = _number(numbers, "error"), float(cast("float", numbers.get("least", numbers["error"])))
+    if not most > MOSTLY_FASTER:
+        return f"at most {_plain(100 * most)} % of the motion over all frequencies (rms, with noise)"
+    if not least <= MOSTLY_FASTER:
+        return "but most of the record is faster: noise, or motion that the stamps do not follow"
+    return (
+        f"over all frequencies {_plain(100 * least)} % of the motion in {numbers['slowest']!r} (rms, with noise); most "
+        f"of some other channel is faster: noise, or motion that the stamps do not follow"
+    )
 
 
 def _set_back(numbers: Numbers) -> str:

@@ -202,7 +202,10 @@ class LeftOut(Code):
         "cut_number",
         "is cut short within its last number: {cell!r} has {digits} of {usual} characters behind the decimal sign",
     )
-    NO_END = "no_end", "does not end with a line feed: if the file was cut off there, its last number {cell!r} is wrong"
+    NO_END = (
+        "no_end",
+        "does not end with a line feed: its last number {cell!r} is whole unless the file was cut off there",
+    )
     OTHER_TABLE = "other_table", "are another table, of {lines} lines: {line} …; save it as a file of its own to use it"
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"

@@ -60,6 +60,11 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
         try:
             content = content.decode("cp1252").encode()
         except UnicodeDecodeError:
+            # No encoding of text writes these in letters.
+            if np.any(np.frombuffer(content[:TOP], np.uint8) < ord("\t")):
+                raise RecordError(
+                    "is no text: it holds bytes of numbers or of another format; export it as text, one sample a line"
+                ) from None
             raise RecordError(
                 f"is neither UTF-8 nor Windows-1252 text: byte 0x{byte:02x} on line {line}; save it as UTF-8"
             ) from None
