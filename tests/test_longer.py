@@ -8,7 +8,8 @@ import pytest
 
 from suspid import Identification, analyse, identify
 from suspid.analysis.choice import explained_by_forces, with_few_cycles
-from suspid.analysis.longer import _from, _shows_more, shared_modes
+from suspid.analysis.longer import _from, _shows_more, longest, shared_modes
+from suspid.analysis.used import used_of
 from suspid.decays import find_decays
 from suspid.identification import ForceKind
 from suspid.identification.noise import noise_of
@@ -200,3 +201,14 @@ def test_a_start_that_is_earlier_has_not_the_few_cycles_of_the_end() -> None:
     longer = _from(end, end.start - 1)
     assert longer.start == end.start - 1
     assert [doubt.code for doubt in longer.doubts] == [DecayDoubt.NONLINEAR]
+
+
+def test_a_start_behind_the_hold_makes_no_longer_decay(monkeypatch: pytest.MonkeyPatch) -> None:
+    t = np.arange(1000) / 100
+    record = as_response(t, np.where(t > 3, np.exp(3 - t) * np.sin(20 * (t - 3)), 0.0)[None], ["seat"])
+    decays = find_decays(record)
+    end = decays[0]
+    monkeypatch.setattr("suspid.analysis.longer._later", lambda *_: iter(()))
+    for start, is_longer in ((end.start + 0.02, False), (end.start - 0.02, True)):
+        monkeypatch.setattr("suspid.analysis.longer._earlier", lambda *_, s=start: iter((replace(end, start=s),)))
+        assert (longest(record, used_of(record, decays, end)) is not None) is is_longer

@@ -76,7 +76,8 @@ def longest(record: control.TimeResponseData, best: Used) -> Used | None:
     It has the same channels. Where one has stopped, none ends later.
     """
     record = of_channels(record, as_signal(best.record).channels)
-    starts, later = [one.start for one in _earlier(record, best)], list(_later(record, best))
+    starts = [one.start for one in _earlier(record, best) if one.start < best.used[0].start]
+    later = list(_later(record, best))
     later = later if later and _goes_on(record, best).all() else []
     if not (starts or later):
         return None
