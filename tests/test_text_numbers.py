@@ -11,6 +11,19 @@ from suspid import RecordError, read_recording
 from suspid.io.text.dialects import DIALECTS, shapes
 
 
+def told_with(monkeypatch: pytest.MonkeyPatch, limit: str, path: Path) -> list[object]:
+    """Return what a file holds, or why it is refused, with one limit of `numbers` at nothing and without any."""
+    told: list[object] = []
+    for size in (0, 1 << 62):
+        monkeypatch.setattr(f"suspid.io.text.numbers.{limit}", size)
+        try:
+            found = read_recording(path)
+            told.append((found.left_out, [channel.values.tobytes() for channel in found.channels]))
+        except RecordError as error:
+            told.append(str(error))
+    return told
+
+
 class TestNumbers:
     """Every number is the double next to it, which Python's own reading of a float is, whichever reader took it."""
 
@@ -45,14 +58,7 @@ class TestNumbers:
         rows = [f"{k / 10},{k % 7},{k % 3}\n" for k in range(50)]
         rows[30] = f"3.0,{odd},0\n"
         (tmp_path / "r.csv").write_text("".join(["t,a,b\n", *rows]))
-        told: list[object] = []
-        for worth in (0, 1 << 62):
-            monkeypatch.setattr("suspid.io.text.numbers.WORTH_ARROW", worth)
-            try:
-                found = read_recording(tmp_path / "r.csv")
-                told.append((found.left_out, [channel.values.tobytes() for channel in found.channels]))
-            except RecordError as error:
-                told.append(str(error))
+        told = told_with(monkeypatch, "WORTH_ARROW", tmp_path / "r.csv")
         assert told[0] == told[1]
 
     @pytest.mark.parametrize("odd", ["", ",,", "nan,nan,nan", "# cold", "1,,2", "end", "3.0", '3.0,"7",1'])
@@ -65,14 +71,7 @@ class TestNumbers:
         rows = [f"{k / 10},{k % 7:.3f},{k % 3:.3f}" for k in range(50)]
         rows[30] = odd
         (tmp_path / "r.csv").write_text("\n".join(["t,a,b", *rows]) + end)
-        told: list[object] = []
-        for most in (0, 1 << 62):
-            monkeypatch.setattr("suspid.io.text.numbers.HELD_TWICE", most)
-            try:
-                found = read_recording(tmp_path / "r.csv")
-                told.append((found.left_out, [channel.values.tobytes() for channel in found.channels]))
-            except RecordError as error:
-                told.append(str(error))
+        told = told_with(monkeypatch, "HELD_TWICE", tmp_path / "r.csv")
         assert told[0] == told[1]
 
     @pytest.mark.parametrize("minus", ["-1.5", "\N{MINUS SIGN}1.5"])

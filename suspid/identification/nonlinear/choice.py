@@ -71,7 +71,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
     best = _with_modes(fitted(best), most)
-    return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+    return best if best is not None and best.forces and best.bic < highest else None
 
 
 def out_of_reach(record: Record) -> bool:
@@ -111,9 +111,10 @@ def _beside_another(record: Record, strong: DrivenFit, best: StructureFit, *, hi
     return best
 
 
-def _with_modes(fit: StructureFit, most: int) -> StructureFit:
+def _with_modes(fit: StructureFit, most: int) -> StructureFit | None:
     """Return the fit without forces that are not worth their gains, and with more modes as long as each is worth it.
 
+    None if a mode does not stand; one that was added takes none of the others with it.
     Forces that one mode cannot tell apart are told apart beside the next. Friction is not kept for that: its motion
     takes many times longer.
     """
@@ -126,8 +127,7 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
         fits.append(_needed(more))
     if waits and len(fits) == 1:
         fits = [_needed(fit)]
-    # A mode that does not stand takes none of the others with it.
-    return next((each for each in reversed(fits) if np.all(stands(each))), fits[-1])
+    return next((each for each in reversed(fits) if np.all(stands(each))), None)
 
 
 def _sticks(bent: Bent, noise: WhiteNoise) -> bool:
