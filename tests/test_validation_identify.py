@@ -28,6 +28,12 @@ class TestCars:
         assert decay.poles[1] != decay.poles[0]
         assert abs(decay.poles[1]) / abs(decay.poles[0]) == pytest.approx(1.03)
 
+    def test_a_required_mode_is_beyond_once_if_its_frequency_or_its_damping_is(self) -> None:
+        # Two required modes, each with a row for its frequency and one for its damping: [over the bound, over its sd].
+        ratios = np.array([[1.0, -5.0], [1.0, 6.0], [1.0, 1.0], [1.0, -3.9]])
+        outcome = close_modes.Outcome(missed=0, extra=1, returned=3, far=2, ratios=ratios, sound=True)
+        assert close_modes._row([outcome])[3:] == ["2 of 3", "1 of 2", "1, 1"]
+
 
 class TestRecordsWithoutADecay:
     @pytest.mark.parametrize("memory", [0.5, 0.9])

@@ -227,7 +227,8 @@ def report(*, seeds: int = SEEDS) -> str:
                 "# Close modes",
                 f"Random cars and pairs of modes at 20 to 60 dB, {seeds} records a row, seeds {FIRST_SEED} and on. "
                 f"Required are modes whose Cramér-Rao bounds (wn, zeta; offset unknown) are below {100 * KNOWN:g} %; "
-                f"RMSE/bound and coverage are over all required modes that were returned, beyond 4 sd over all modes, and over those.",
+                f"RMSE/bound and coverage are over all required modes that were returned, beyond 4 sd over all modes, "
+                "and over those.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
         )
