@@ -14,6 +14,7 @@ from suspid.analysis.choice import explained_by_forces, explains, settled, tried
 from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
+from suspid.analysis.swelling import beats
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LITTLE, Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification
@@ -176,15 +177,15 @@ def _goes_on(record: control.TimeResponseData, best: Used) -> NDArray[np.bool_]:
 def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
 
-    Where the other is doubtful, or has a trace of something else, forces may explain the longer one instead. It has all
-    modes of the other unless that is doubtful, makes few cycles, or explains its part as well; and more modes that are
-    well known or as good a verdict.
+    Where the other is doubtful, or has a trace of something else, forces may explain the longer one instead, or close
+    modes that beat: where they are out of step, a decay seems to end. It has all modes of the other unless that is
+    doubtful, makes few cycles, or explains its part as well; and more modes that are well known or as good a verdict.
     """
     if longer.verdict.level is Level.DOUBTFUL:
         return found is not None and found.verdict.level is Level.DOUBTFUL and _with_fewer(longer, found)
     traced = found is not None and any(c.remark.code is Reason.TRACE for c in found.considered)
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL or traced:
-        return settled(longer) or explained_by_forces(longer)
+        return settled(longer) or explained_by_forces(longer) or beats(longer) > 0
     if not settled(longer):
         return False
     modes, few = found.modes, with_few_cycles(found)

@@ -13,7 +13,7 @@ from suspid.analysis.choice import doubts_of, level_of, settled
 from suspid.analysis.settings import Settings
 from suspid.analysis.standstill import swings_on
 from suspid.analysis.stretch import NO_CYCLE, swings
-from suspid.analysis.swelling import beyond_wave
+from suspid.analysis.swelling import beats, beyond_wave, left_by_modes
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
 from suspid.decays import GRAVE, SAME_MODE, SMALL, Decay, in_common, share_of
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 # A mode that swings many times, and explains this share of the energy of a channel by itself, is plain to see: a burst
 # of a voice has other tones beside.
 NEARLY_ALL = 0.95
+# Several that swing many times, and together beat this often, are as plain.
+FEWEST_BEATS = 2
 # One that swings this often, and would many times before it has faded, must explain this share: slow noise that a pole
 # follows for a few cycles leaves more.
 FEW_SWINGS, ALL_BUT_NOISE = 3.0, 0.999
@@ -96,9 +98,9 @@ def of_a_wave(
     """Return whether a stretch is of motion that swells and fades as one wave, and whether it is nothing else.
 
     Free motion that forces build up looks like a wave too, but is none down to the noise. A whole record that is free
-    from its first sample on does not swell.
+    from its first sample on does not swell, and close modes that beat rise more than once.
     """
-    if not questioned(found, settings) or _long_checked(found, stretch):
+    if not questioned(found, settings) or _long_checked(found, stretch) or beats(found):
         return False, False
     beyond = beyond_wave(whole, found)
     wave = beyond < np.inf
@@ -182,20 +184,18 @@ def _alone(found: Identification) -> bool:
 def _coherent(found: Identification) -> NDArray[np.bool_]:
     """Return which modes are nearly all of a channel's motion over many cycles, or all of it over a few, (mode,).
 
-    Two parts of a light decay do not tell its damping; that one swing goes on at one frequency they show.
+    Close modes that beat are so together. Two parts of a light decay do not tell its damping; that one swing goes on at
+    one frequency they show.
     """
-    response = as_signal(held(found, "response"))
-    about = response.values - response.values.mean(axis=1, keepdims=True)
-    time = response.step * np.arange(about.shape[1])
-    many = swings_many_times(found.modes, float(time[-1]))
-    few = found.modes.poles.imag * time[-1] > 2 * np.pi * FEW_SWINGS
+    signal = as_signal(held(found, "response"))
+    duration = signal.step * (signal.values.shape[1] - 1)
+    many = swings_many_times(found.modes, duration)
+    few = found.modes.poles.imag * duration > 2 * np.pi * FEW_SWINGS
     coherent = many | (few & swings_many_times(found.modes, np.inf))
     for mode in np.flatnonzero(coherent):
-        course = np.exp(found.modes.poles[mode] * time)
-        basis, _ = np.linalg.qr(np.stack([course.real, course.imag, np.ones(len(time))], axis=1))
-        shares = np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300)
-        coherent[mode] = np.max(shares) > (NEARLY_ALL if many[mode] else ALL_BUT_NOISE)
-    return np.asarray(coherent)
+        left = np.min(left_by_modes(signal, found.modes[mode : mode + 1]))
+        coherent[mode] = left < 1 - (NEARLY_ALL if many[mode] else ALL_BUT_NOISE)
+    return np.asarray(coherent | (many & (beats(found) >= FEWEST_BEATS)))
 
 
 def _again(found: Identification, stretch: Used) -> bool:

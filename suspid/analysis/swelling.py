@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid.identification import Identification
 from suspid.levels import SURE
+from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal, block_means
 from suspid.units import Ratio, RealArray
@@ -84,6 +85,44 @@ def beyond_wave(record: control.TimeResponseData, found: Identification) -> Rati
         if beyond > LEFT_BY_WAVE:
             return np.inf
     return beyond
+
+
+def beats(found: Identification) -> int:
+    """Return how often a motion sinks to a share of its power and rises again, where two modes or more explain it.
+
+    They leave no more than one wave may, which rises once. What a few modes explain again and again is of one phase.
+    Fewer times than there are modes count as none: with many, modes follow any motion.
+
+    Examples
+    --------
+    >>> from suspid import identify
+    >>> from suspid.records import as_response
+    >>> t = np.arange(4000) / 100
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> one, two = (np.exp(-0.01 * t) * np.cos(wn * t) for wn in (9.0, 9.5))
+    >>> [beats(identify(as_response(t, (motion + noise)[None], ["left"]))) for motion in (one - two, one)]
+    [3, 0]
+    """
+    from scipy.signal import find_peaks
+
+    if len(found.modes) < 2:
+        return 0
+    signal = as_signal(held(found, "response"))
+    left = left_by_modes(signal, found.modes)
+    clearest = int(np.argmin(left))
+    period = max(2, round(2 * np.pi / (abs(_strongest(found)) * signal.step)))
+    level = _level(as_signal(held(found, "fitted")).values[[clearest]], period)
+    sunk, _ = find_peaks(-np.log(np.maximum(level, 1e-300)), prominence=-np.log(RISEN))
+    return len(sunk) if left[clearest] <= LEFT_BY_WAVE and len(sunk) > len(found.modes) - 2 else 0
+
+
+def left_by_modes(signal: Signal, modes: ModalSet) -> RealArray:
+    """Return the share of the energy of each channel that modes with a constant level leave, (channel,)."""
+    about = signal.values - signal.values.mean(axis=1, keepdims=True)
+    time = signal.step * np.arange(about.shape[1])
+    courses = np.exp(modes.poles[:, None] * time)
+    basis, _ = np.linalg.qr(np.stack([*courses.real, *courses.imag, np.ones(len(time))], axis=1))
+    return np.asarray(1 - np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300))
 
 
 def _scaled(signal: Signal, found: Identification) -> tuple[RealArray, int, complex] | None:

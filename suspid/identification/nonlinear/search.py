@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.harmonics import WEAK
@@ -91,7 +92,11 @@ def _found(sought: _Sought) -> Bent | None:
         return bent
     if found is None or modes is not None or found.fit.bic < bic:
         return found
-    return found if distorted(selection) and not (misses(found.fit) and overtones_alone(selection)) else None
+    if not distorted(selection) or (misses(found.fit) and overtones_alone(selection)):
+        return None
+    # Poles that are parts of a mode leave less of it than forces do, but not of a motion that these do not follow.
+    followed = _follows(values, np.sum(selection.residual**2, axis=1))
+    return found if np.all(_follows(values, found.fit.squares) | ~followed) else None
 
 
 def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Bent | None:
@@ -175,6 +180,11 @@ def _shifting(record: Record, turn: float, most: int) -> Bent | None:
 def _explained(fit: DrivenFit) -> float:
     """Return the share of the energy that a fit explains in the best channel."""
     return float(np.max(1 - fit.squares / np.sum(fit.values**2, axis=1)))
+
+
+def _follows(values: RealArray, squares: RealArray) -> NDArray[np.bool_]:
+    """Return in which channels a fit leaves so little of the samples that it follows the motion, (channel,)."""
+    return np.asarray(1 - squares / np.sum(values**2, axis=1) >= EACH_EXPLAINED)
 
 
 def _record(values: RealArray, noise: WhiteNoise, linear: DecayFit) -> Record:

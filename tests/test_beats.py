@@ -1,0 +1,67 @@
+"""Two close modes swell and sink in turn: what pendulums coupled by a weak spring do, integrated finely."""
+
+import control
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from suspid import analyse, identify
+from suspid.analysis.swelling import beats
+from suspid.records import as_response
+from suspid.units import RealArray
+
+WN = 3.2
+
+
+def coupled(
+    rng: np.random.Generator, *, spring: float, drag: float, damping: float, end: float
+) -> tuple[control.TimeResponseData, RealArray]:
+    """Return the angles of two pendulums with quadratic drag of which the right one is let go, and their wn.
+
+    The sensor of that is the noisier one: the motion of the other is clear, and begins at nothing.
+    """
+
+    def rate(_: float, state: RealArray) -> RealArray:
+        angles, speeds = state[:2], state[2:]
+        pull = spring * (angles - angles[::-1])
+        return np.concatenate([speeds, -(WN**2) * np.sin(angles) - pull - (damping + drag * np.abs(speeds)) * speeds])
+
+    time = np.arange(0.0, end, 0.1)
+    motion = solve_ivp(rate, (0.0, end), [0.0, -0.2, 0.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-11).y[:2]
+    motion += np.array([[0.002], [0.02]]) * rng.standard_normal(motion.shape)
+    return as_response(time, motion, ["left", "right"]), np.sqrt([WN**2, WN**2 + 2 * spring])
+
+
+@pytest.mark.parametrize("seed", [101, 105, 120])
+def test_pendulums_that_beat_are_two_modes(seed: int) -> None:
+    """What swells again and again, and is two modes, is no wave, nor does its decay end where they are out of step."""
+    rng = np.random.default_rng(seed)
+    spring, drag, end, damping = rng.uniform([0.1, 0.001, 100, 0.0], [0.6, 0.02, 250, 0.002]).tolist()
+    record, wn = coupled(rng, spring=spring, drag=drag, damping=damping, end=end)
+    assert analyse(record).modes.wn == pytest.approx(wn, rel=3e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 15])
+def test_forces_follow_what_poles_follow(seed: int) -> None:
+    """One mode with forces is no explanation of two that beat, although their poles have parts beside them."""
+    record, _ = coupled(np.random.default_rng(seed), spring=0.51928, drag=0.01415, damping=0.00025, end=132.4)
+    assert np.min(identify(record).explained) > 0.9
+
+
+@pytest.mark.parametrize("wn", [8.5, 9.6, 10.3])
+def test_two_modes_are_out_of_step_once_in_each_beat(wn: float) -> None:
+    time = np.arange(0.0, 40.0, 0.01)
+    motion = np.exp(-0.01 * time) * (np.cos(9 * time) + np.cos(wn * time))
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = identify(as_response(time, (motion + noise)[None], ["left"]))
+    # They are out of step in the middle of each beat, of which the record shows that many.
+    assert beats(found) == int(40.0 * abs(wn - 9) / (2 * np.pi) + 0.5)
+
+
+def test_one_burst_after_the_other_does_not_beat() -> None:
+    """A second release is of another phase, which no mode that goes on from the first one has."""
+    time = np.arange(0.0, 40.0, 0.01)
+    motion = [np.where(time > at, np.exp(-0.2 * (time - at)) * np.sin(9 * (time - at) + at), 0.0) for at in (0, 13, 29)]
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = identify(as_response(time, (sum(motion) + noise)[None], ["left"]))
+    assert beats(found) == 0
