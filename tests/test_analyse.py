@@ -42,7 +42,7 @@ from suspid.signals import as_signal
 from suspid.words import Note, RecordCheck, next_steps
 from validation import cars
 from validation.greybox_bounds import value_of
-from validation.greybox_rows import rows
+from validation.greybox_rows import free_decays
 
 pytestmark = pytest.mark.usefixtures("words_alone")
 
@@ -287,7 +287,7 @@ def test_every_error_names_the_file_and_keeps_what_it_carries(settings: Settings
 class TestSpringsFromTheRecord:
     """Where modes do not settle springs and dampers, the record itself does."""
 
-    ROW = next(row for row in rows()["Free decays"] if row.name == "half car, modes 2% apart, 40 dB")
+    ROW = next(row for row in free_decays() if row.name == "half car, modes 2% apart, 40 dB")
 
     def found(self, *constraints: str) -> Analysis:
         springs = CarSettings(fixed=self.ROW.fixed, constraints=constraints)

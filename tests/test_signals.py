@@ -115,9 +115,14 @@ def test_a_record_is_identified_without_importing_python_control() -> None:
     """It takes longer to import than all else together; a response is made where a user takes one."""
     lines = (
         "import sys",
-        "from suspid import analyse",
+        "from suspid import Settings, analyse",
+        "from suspid.fleet.job import Job",
+        "from suspid.fleet.records import Entry",
+        "from suspid.fleet.work import work",
         "found = analyse(sys.argv[1])",
         "str(found), str(found.verdict)",
+        "done = work(Job(settings=Settings()), [Entry(name='a record', path=sys.argv[1])])",
+        "assert (done.records, done.failed) == (1, 0)",
         "assert 'control' not in sys.modules",
         "import control",
         "assert isinstance(found.identification.response, control.TimeResponseData)",

@@ -262,19 +262,24 @@ MOUNTED = QUARTER.with_parameters(mount_stiffness={"chassis": 1e6})
 SOFT = QUARTER.with_parameters(mount_stiffness={"chassis": 4e5})
 
 
+def free_decays() -> list[Row]:
+    """Return the cases without inputs."""
+    return [
+        decay_row("quarter car, 20 dB", QUARTER, SEAT_KNOCK, 20, fs=200, length=5),
+        decay_row("quarter car with a seat, 20 dB", SEATED, SEAT_KNOCK, 20, fs=200, length=5),
+        *(
+            decay_row(f"half car, modes {share:.0%} apart, {snr} dB", half(share), KNOCK, snr, fs=200, length=5)
+            for share in (0.1, 0.02)
+            for snr in (20, 40)
+        ),
+        decay_row("full car, 40 dB", FULL, FULL_KNOCK, 40, fs=200, length=5),
+    ]
+
+
 def rows() -> dict[str, list[Row]]:
     """Return all cases by section of the report."""
     return {
-        "Free decays": [
-            decay_row("quarter car, 20 dB", QUARTER, SEAT_KNOCK, 20, fs=200, length=5),
-            decay_row("quarter car with a seat, 20 dB", SEATED, SEAT_KNOCK, 20, fs=200, length=5),
-            *(
-                decay_row(f"half car, modes {share:.0%} apart, {snr} dB", half(share), KNOCK, snr, fs=200, length=5)
-                for share in (0.1, 0.02)
-                for snr in (20, 40)
-            ),
-            decay_row("full car, 40 dB", FULL, FULL_KNOCK, 40, fs=200, length=5),
-        ],
+        "Free decays": free_decays(),
         "Rigs and actuators": [
             rig_row("swept road, 20 s", "road", swept(), std=NOISE),
             rig_row("random road, 20 s", "road", smooth_road(), std=NOISE),

@@ -17,6 +17,7 @@ from suspid.fleet.records import Entry, Seen, source_of
 from suspid.fleet.tables import Row, Rows, doubts_of
 from suspid.model import car_from_toml
 from suspid.reconstruction import reconstruction_to_dict
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.words import Failure, Note, Remark, Step
 
@@ -66,7 +67,7 @@ def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row
     modes, single = found.modes, found.identification
     if not len(modes):
         return ()
-    signal = as_signal(single.response)
+    signal = as_signal(held(single, "response"))
     certain = modes.wn_std is None or modes.zeta_std is None
     ends = None if certain else modes.interval(job.settings.level)
     # Those of one decay are not those of the joint modes.

@@ -41,7 +41,7 @@ def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, do
     """Return the tables of a chunk, some records of which may be known; call ``done`` first and after each record."""
     rows = []
     # Workers must not fight for cores, and sums must come in one order.
-    with one_thread("control", *(["cvxpy"] if job.car and job.drive is None else [])):
+    with one_thread(*(["cvxpy"] if job.car and job.drive is None else [])):
         done()
         for k, entry in enumerate(chunk):
             rows.append(known[k] if k in known else rows_of(job, entry))

@@ -89,6 +89,7 @@ class DrivenFit:
     values: RealArray  # (channel, sample): the record
     drive: Drive
     noise: WhiteNoise
+    free: ComplexArray  # (pole, sample): the states without forces
     states: ComplexArray  # (pole, sample): z
     answers: ComplexArray  # (pole, force, sample): derivatives of the states by the gains
     basis: RealArray  # (sample, column): orthonormal columns
@@ -179,7 +180,7 @@ class DrivenFit:
         from scipy.signal import lfilter
 
         samples, drive = np.arange(self.states.shape[1]), self.drive
-        by_pole = np.exp(np.outer(drive.theta, samples)) * samples
+        by_pole = self.free * samples
         if not len(drive.forces):
             return np.asarray(by_pole)
         for k, (theta, gains) in enumerate(zip(drive.theta, drive.gains, strict=True)):
@@ -224,7 +225,8 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     from scipy.linalg import solve_triangular
 
     samples = np.arange(values.shape[1])
-    states, answers = _states(drive, samples)
+    free = np.exp(np.outer(drive.theta, samples))
+    states, answers = _states(drive, free)
     columns = np.column_stack([states.real.T, states.imag.T, np.exp(np.outer(samples, drive.nuisances))])
     if drive.through:
         columns = np.column_stack([columns, drive.forces.T])
@@ -245,6 +247,7 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
         values=values,
         drive=drive,
         noise=noise,
+        free=free,
         states=states,
         answers=answers,
         basis=basis,
@@ -254,14 +257,17 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     )
 
 
-def _states(drive: Drive, samples: NDArray[np.intp]) -> tuple[ComplexArray, ComplexArray]:
-    """Return the states (pole, sample) and their derivatives by the gains (pole, force, sample)."""
+def _states(drive: Drive, free: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return the states (pole, sample), of which those without forces are given, and their derivatives by the gains.
+
+    The derivatives are (pole, force, sample).
+    """
     from scipy.signal import lfilter
 
-    states = np.exp(np.outer(drive.theta, samples))
     answers = np.zeros((len(drive.theta), *drive.forces.shape), complex)
     if not len(drive.forces):
-        return states, answers
+        return free, answers
+    states = free.copy()
     force = drive.forces[:, :-1].astype(complex)
     for k, (theta, gains) in enumerate(zip(drive.theta, drive.gains, strict=True)):
         # A force that is constant between samples: z_{i+1} = e^theta z_i + (e^theta - 1) / theta g_i.
