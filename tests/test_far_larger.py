@@ -4,13 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from suspid import Settings, analyse, identify
 from suspid.analysis.far_larger import larger_elsewhere, only_the_end
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
-from suspid.words import Note
+from suspid.words import Level, Note, RecordCheck
 
 TIME = np.arange(3000) / 100
 KNOCK = np.where(TIME >= 20, np.exp(-1.5 * (TIME - 20)) * np.sin(30 * (TIME - 20)), 0.0)
@@ -57,6 +58,8 @@ def test_it_is_said_unless_the_part_was_chosen() -> None:
     )
     found = analyse(record)
     assert [note.code for note in found.notes].count(Note.LARGER_ELSEWHERE) == 1
+    (said,) = [check for check in found.verdict.checks if check.remark.code is RecordCheck.LARGER_ELSEWHERE]
+    assert said.level is Level.CARE
     chosen = analyse(record, settings=Settings(start=20.0))
     assert Note.LARGER_ELSEWHERE not in {note.code for note in chosen.notes}
 
@@ -117,3 +120,17 @@ def test_an_end_that_is_damped_otherwise_is_only_the_end(zeta: float, size: floa
     )
     assert only_the_end(whole, part) is end
     assert not only_the_end(whole, None)
+
+
+@pytest.mark.parametrize(("bend", "end"), [(0.12, True), (0.01, False), (0.0, False)])
+def test_a_linear_end_of_swings_of_another_frequency_is_only_the_end(bend: float, end: bool) -> None:
+    """A spring that stiffens in proportion to the deflection: at the first swings by 5 %, .4 %, and not at all."""
+    wn, zeta, time = 10.2, 0.006, np.arange(0.0, 37.0, 0.02)
+    motion = solve_ivp(
+        lambda _, x: [x[1], -(wn**2) * x[0] * (1 + bend * abs(x[0])) - 2 * zeta * wn * x[1]],
+        (0.0, 37.0), [0.0, wn], t_eval=time, rtol=1e-9, atol=1e-11,
+    ).y[:1]  # fmt: skip
+    record = as_response(time, motion + 0.01 * np.random.default_rng(1).standard_normal(motion.shape), ["mass"])
+    whole, part = identify(record), identify(cut(record, start=27.2))
+    assert part.verdict.level is Level.SOUND
+    assert only_the_end(whole, part) is end

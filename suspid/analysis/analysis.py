@@ -46,6 +46,7 @@ CALLS_FOR_CARE = {
     Note.COMMANDED: RecordCheck.COMMANDED,
     Note.ONE_OF_TESTS: RecordCheck.ONE_OF_TESTS,
     Note.FEWER_CHANNELS: RecordCheck.FEWER_CHANNELS,
+    Note.LARGER_ELSEWHERE: RecordCheck.LARGER_ELSEWHERE,
     Note.LARGEST_USED: RecordCheck.LARGEST_USED,
     Note.MEANS: RecordCheck.MEANS,
 }

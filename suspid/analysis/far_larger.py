@@ -11,9 +11,10 @@ from suspid.analysis.used import Used
 from suspid.decays import SAME_MODE
 from suspid.identification import FEWEST_SAMPLES, LEAST_EXPLAINED, Identification
 from suspid.levels import NORMAL_95
+from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.words import Note, Remark
+from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -29,6 +30,8 @@ HARDLY_ANY = 0.03
 # Two damping ratios are unlike if they differ by this share, and beyond chance: friction doubles that of the last
 # swings, and a decay whose damping is the same from any start is as well known by its end.
 UNLIKE = 0.25
+# So are two natural frequencies that differ by this share.
+UNLIKE_WN = 0.01
 
 
 def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
@@ -46,7 +49,8 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
     """Return whether a part of a decay is its end, with far less energy, and tells less than the whole.
 
     Where friction stops what swings, or where a sensor is coarse, the last swings look like a linear decay. The whole
-    tells more if forces explain it as well as the end is explained, or if its damping is another one.
+    tells more if forces explain it as well as the end is explained, if its damping is another one, or if they show
+    another frequency or damping of larger swings: an end that is linear beyond doubt says nothing of those.
     """
     if part is None or not len(part.modes) or not len(whole.modes):
         return False
@@ -61,11 +65,24 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
     nearest = np.argmin(np.abs(ends.wn[:, None] - modes.wn), axis=1)
     if np.any(np.abs(modes.wn[nearest] / ends.wn - 1) > SAME_MODE):
         return False
-    if whole.forces and whole.verdict.level >= part.verdict.level:
+    if whole.forces and (whole.verdict.level >= part.verdict.level or _larger_are_unlike(whole, ends)):
         return True
     apart = np.abs(modes.zeta[nearest] - ends.zeta)
     sure = NORMAL_95 * np.hypot(modes.zeta_std[nearest], ends.zeta_std)
     return bool(np.any(apart > np.maximum(sure, UNLIKE * ends.zeta)))
+
+
+def _larger_are_unlike(whole: Identification, ends: ModalSet) -> bool:
+    """Return whether swings of a decay that is not doubtful have another frequency or damping than its end."""
+    if whole.verdict.level <= Level.DOUBTFUL or ends.wn_std is None or ends.zeta_std is None:
+        return False
+    for each in whole.amplitude_dependence:
+        one, swings = int(np.argmin(np.abs(ends.wn - np.median(each.wn)))), each.known
+        by_wn = np.maximum(NORMAL_95 * np.hypot(swings.wn_std, ends.wn_std[one]), UNLIKE_WN * ends.wn[one])
+        by_zeta = np.maximum(NORMAL_95 * np.hypot(swings.zeta_std, ends.zeta_std[one]), UNLIKE * ends.zeta[one])
+        if np.any((np.abs(swings.wn - ends.wn[one]) > by_wn) | (np.abs(swings.zeta - ends.zeta[one]) > by_zeta)):
+            return True
+    return False
 
 
 def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:

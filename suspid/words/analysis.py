@@ -239,6 +239,11 @@ class RecordCheck(Code):
         "No stretch is a free decay beyond doubt. The largest motion is used, which shows the same modes from several "
         "starts on.",
     )
+    LARGER_ELSEWHERE = (
+        "larger elsewhere",
+        "Elsewhere the record moves {times:.0f} times as much (rms), most about {time:.4g} s: what is found holds for "
+        "small motion.",
+    )
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     FEWER_CHANNELS = (
         "fewer channels",
