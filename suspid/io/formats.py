@@ -48,7 +48,7 @@ class Format:
         return table
 
 
-PLAIN_TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc", ".lvm", ".prn"), "text")
+PLAIN_TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc", ".lvm", ".prn", ".lab"), "text")
 FORMATS = (
     PLAIN_TEXT,
     Format("matlab", (".mat",), "a MATLAB file", ((0, b"MATLAB 5.0 MAT-file"),)),

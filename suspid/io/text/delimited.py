@@ -13,6 +13,7 @@ from suspid.errors import RecordError
 from suspid.files import read_bytes
 from suspid.io.names import PER_SECOND, bare_name, is_time, split_unit
 from suspid.io.tables import Table, TimeBase
+from suspid.io.text.cassy import with_cassy_names
 from suspid.io.text.cells import seconds
 from suspid.io.text.coordinates import with_coordinates
 from suspid.io.text.encodings import decoded
@@ -59,8 +60,9 @@ def read_delimited(path: Path) -> Table:
     ends_within = is_open(content)
     text, left_out = decoded(content)
     del content
+    text, of_cassy, whole = with_cassy_names(text)
     text, notes = without_notes(text, within=HEAD_BYTES)
-    left_out |= notes
+    left_out |= {**of_cassy, **notes}
     text = with_coordinates(with_tabs(with_point_stamps(text), within=HEAD_BYTES), within=HEAD_BYTES)
     text = with_names_above(text, within=HEAD_BYTES)
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
@@ -78,7 +80,7 @@ def read_delimited(path: Path) -> Table:
     refuse_thousands([*top[layout.first :], *within], layout.names, layout.dialect)
     start = sum(len(line) + 1 for line in head[: layout.first])
     layout = with_late_column(layout, text, start)
-    rows, odd = find_rows(text, start, layout, is_open=ends_within)
+    rows, odd = find_rows(text, start, layout, is_open=ends_within and not whole)
     del text
     counter = _counter(layout, top)
     left_out |= {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}
