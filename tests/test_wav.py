@@ -111,10 +111,25 @@ class TestDamage:
         with pytest.raises(SuspidError):
             read_wav(put(scratch, b"RIFF" + content))
 
-    def test_a_head_that_states_more_than_there_is(self, tmp_path: Path) -> None:
+    @pytest.mark.parametrize("more", [2, 50])
+    def test_a_head_that_states_more_than_there_is_loses_no_sample(self, tmp_path: Path, more: int) -> None:
+        """Editors drop a chunk of notes and leave the size of the file: the chunk of the samples tells their number."""
         whole = wav(np.arange(20, dtype=np.int16))
-        with pytest.raises(RecordError, match=f"states {len(whole) + 2} bytes, there are {len(whole)}"):
-            read_wav(put(tmp_path, b"RIFF" + struct.pack("<I", len(whole) - 6) + whole[8:]))
+        table = read_wav(put(tmp_path, b"RIFF" + struct.pack("<I", len(whole) - 8 + more) + whole[8:]))
+        assert (table.columns(["channel 1"])[0] * 32768).tolist() == list(range(20))
+        (said,) = table.unusable.items()
+        assert " ".join(map(str, said)) == f"end of the file lacks {more} bytes that the file states, but no sample"
+
+    def test_a_head_that_does_not_know_the_size_of_the_file_lacks_nothing(self, tmp_path: Path) -> None:
+        """Programs that write to a pipe fill in the size of the samples alone."""
+        whole = wav(np.arange(20, dtype=np.int16))
+        table = read_wav(put(tmp_path, b"RIFF" + b"\xff" * 4 + whole[8:]))
+        assert (table.sizes, table.unusable) == ({"channel 1": 20}, {})
+
+    def test_samples_that_are_cut_off_are_refused_whatever_the_head_states(self, tmp_path: Path) -> None:
+        whole = wav(np.arange(20, dtype=np.int16))
+        with pytest.raises(RecordError, match="its chunk 'data' should have 40 bytes, there are 38"):
+            read_wav(put(tmp_path, b"RIFF" + struct.pack("<I", len(whole) + 42) + whole[8:-2]))
 
     def test_a_byte_of_padding_that_was_counted_and_not_written(self, tmp_path: Path) -> None:
         """As drum machines' samples have it: the samples are complete."""

@@ -29,8 +29,10 @@ def read_wav(path: Path) -> Table:
     can hold, so that full scale is 1; floating point is not changed.
     """
     content = read_bytes(path, error=RecordError)
-    end = _end_of_chunks(content)
+    end, missing = _end_of_chunks(content)
     behind = len(content) - end
+    said = [Remark(LeftOut.BEHIND_CHUNKS, {"bytes": count(behind, "byte")})] if behind else []
+    said += [Remark(LeftOut.FEWER_BYTES, {"bytes": count(missing, "byte")})] if missing else []
     content = content[:end]
     rate, samples = sheltered(lambda: _read(content), extra="formats", suffix=path.suffix)
     if not rate > 0:
@@ -46,7 +48,7 @@ def read_wav(path: Path) -> Table:
     return Table(
         sizes=dict.fromkeys(names, len(samples)),
         columns=columns,
-        unusable={"end of the file": Remark(LeftOut.BEHIND_CHUNKS, {"bytes": count(behind, "byte")})} if behind else {},
+        unusable=dict(zip(("end of the file", "size of the file"), said, strict=False)),
         units=dict.fromkeys(names, "full scale"),
         clocks=dict.fromkeys(names, clock),
     )
@@ -68,10 +70,11 @@ def _fraction(samples: np.ndarray[Any, Any]) -> RealArray:
     return frozen_real((samples.astype(np.float64) - middle) / 2.0 ** (8 * samples.dtype.itemsize - 1))
 
 
-def _end_of_chunks(content: bytes) -> int:
-    """Return where the last chunk ends; refuse a file that lacks a part of one, before their sizes are used.
+def _end_of_chunks(content: bytes) -> tuple[int, int]:
+    """Return where the last chunk ends, and how many bytes the file states that are not there.
 
-    What follows the end that the file states, as a line feed or a tag of a player does, holds no sample.
+    A file that lacks a part of a chunk is refused, before their sizes are used. What follows the end that the file
+    states, as a line feed or a tag of a player does, holds no sample.
     """
     order = ">" if content[:4] == b"RIFX" else "<"
     if content[:4] not in (b"RIFF", b"RIFX", b"RF64") or content[8:12] != b"WAVE":
@@ -100,12 +103,11 @@ def _end_of_chunks(content: bytes) -> int:
             )
         seen.append(name)
         position += 8 + size + size % 2
-    # Some programs count a byte of padding that they do not write: no sample is lost.
-    if 8 + whole > len(content) + 1:
-        raise RecordError(f"is cut off: it states {8 + whole} bytes, there are {len(content)}")
     for name in (b"fmt ", b"data"):
         if seen.count(name) != 1:
             raise RecordError(
                 f"is damaged: it has {seen.count(name)} chunks {name.decode('ascii')!r}; there must be one"
             )
-    return min(position, len(content))
+    # Some programs count a byte of padding that they do not write.
+    missing = 8 + whole - len(content) if whole != UNKNOWN_SIZE and 8 + whole > len(content) + 1 else 0
+    return min(position, len(content)), missing

@@ -211,6 +211,7 @@ class LeftOut(Code):
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"
     BEHIND_CHUNKS = "behind_chunks", "holds {bytes} behind its last chunk, and no sample"
+    FEWER_BYTES = "fewer_bytes", "lacks {bytes} that the file states, but no sample"
     UTF_16 = "utf_16", "is UTF-16, by its first bytes"
     WINDOWS_1252 = (
         "windows_1252",
