@@ -356,6 +356,19 @@ class TestGaps:
         with pytest.raises(RecordError, match="20 % of its samples"):
             clean(recording(T, values))
 
+    def test_samples_that_are_not_believed_are_no_gaps_of_the_file(self) -> None:
+        """Every eighth sample is stuck: the file has these samples, and the message says why they are not used."""
+        values = decay(T, noise=0.05)
+        for start in range(50, 1950, 40):
+            values[start : start + 5] = 2.0 + values[start]
+        with pytest.raises(
+            RecordError,
+            match=r"gaps in 1[12] % of its samples; up to 10 % are filled; 2\d\d samples of them are in the file and "
+            r"are treated as missing, as faults of the sensor: \d+ runs of exactly one value, up to 5 samples long, "
+            r"ended by a jump; take a better stretch",
+        ):
+            clean(recording(T, values))
+
     def test_of_channels_that_all_have_too_many_none_is_to_be_left_out(self) -> None:
         """As where rows are lost: without one of them the others are refused alike."""
         values = decay(T)

@@ -215,6 +215,24 @@ class TestChannels:
             found = inspect("channel 1", np.arange(values.size) / 44100, np.round(values * 2**15) / 2**15)
             assert (Defect.DROPOUT in [finding.kind for finding in found.findings]) == dropout
 
+    @pytest.mark.parametrize("length", [300, 23])
+    def test_the_base_of_pulses_lasts_for_some_samples_by_chance(self, length: int) -> None:
+        """Of 2000 samples, seven in ten lie on a base, or on the top of a pulse, and the others anywhere near it."""
+        rng = np.random.default_rng(4)
+        pulses = np.where(np.arange(2000) // length % 3 == 1, 3.0, 0.0) - 0.008
+        values = pulses + np.where(rng.random(2000) < 0.7, 0.0, rng.uniform(-0.07, 0.07, 2000))
+        assert inspect("1", np.arange(2000) / 200e3, values).findings == ()
+
+    @pytest.mark.parametrize("often", [1, 12])
+    def test_a_value_at_which_a_sensor_sticks_is_no_such_base(self, often: int) -> None:
+        """The sample behind a stuck value is far from it, since the motion has gone on; now and then it comes back."""
+        values = np.round(3.0 * np.sin(0.2 * np.arange(2000)), 3)
+        for k in range(often):
+            values[150 * k + 50 : 150 * k + 56 + k % 3] = 0.4
+        (found,) = inspect("1", np.arange(2000) / 200, values).findings
+        assert found.kind is Defect.DROPOUT
+        assert 0.7 * often < float(found.remark.numbers["runs"]) <= often
+
     @pytest.mark.parametrize(("value", "kept"), [(2.0, True), (1e31, False), (-1e31, False)])
     def test_what_no_quantity_reaches_is_missing(self, value: float, kept: bool) -> None:
         values = SWING + 0.0

@@ -304,6 +304,12 @@ class TestJitter:
         with pytest.raises(RecordError, match="too irregular"):
             read_clock(stamps, wave(stamps)[None])
 
+    def test_all_of_the_time_in_holes_is_100_per_cent(self) -> None:
+        """Bursts of three rows, some seconds apart: all but 2 in 1000 of the time is in the waits."""
+        stamps = np.cumsum(np.tile([2.0, 0.001, 0.001], 400) * (1 + 0.3 * np.random.default_rng(3).random(1200)))
+        with pytest.raises(RecordError, match="but 100 % of the time is in steps above"):
+            read_clock(stamps, wave(stamps)[None])
+
 
 class TestAnyGrid:
     """Rows on a uniform clock, stamped, rounded and with rows lost: the rows come back to their places.

@@ -198,6 +198,13 @@ class TestMessages:
 
     OPTION = re.compile(rf"(?<![\w-])({'|'.join(set(ARGUMENTS_AS_OPTIONS.values()))})(?![\w-])")
 
+    # Digits of a share in per cent that becomes 1e+02: `suspid.words.percent` writes 100.
+    PER_CENT = re.compile(r":\.[12]g\} ?%")
+
+    def test_no_share_in_per_cent_has_an_exponent(self) -> None:
+        found = [path.name for path in LIBRARY.rglob("*.py") if self.PER_CENT.search(path.read_text(encoding="utf-8"))]
+        assert found == []
+
     def texts(self) -> list[tuple[str, str, str]]:
         """Return module, place and text of all strings but docstrings."""
         docstrings = {id(n.value) for _, n in nodes() if isinstance(n, ast.Expr)}

@@ -84,7 +84,7 @@ def clean(
     chosen, findings = alive(chosen, by_name=by_name)
     kept, further = one_clock([placed(group, fs) for group in by_clock(chosen)], by_name=by_name)
     findings += further
-    timepts, table, further = whole(kept, by_name=by_name)
+    timepts, table, further = whole(kept, findings, by_name=by_name)
     findings += further
     findings += stilled(timepts, table, by_name=by_name)
     order = [name for name in names if name in table]

@@ -10,7 +10,8 @@ from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.sentinels import known, possible, without_sentinels
 from suspid.levels import UNLIKELY
-from suspid.units import RealArray
+from suspid.stamps import Indices
+from suspid.units import Flags, RealArray
 from suspid.values import LARGEST_SIZE, frozen_real
 from suspid.words import Defect, Number
 
@@ -24,6 +25,8 @@ SPIKE_OVER, BESIDE_SPIKE, WITHIN, FEWEST_SPIKES = 1000.0, 30.0, 0.95, 3
 SAMPLES_LOOKED_AT = 4096
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
+# Other runs of its value that show whether it is a level of the channel, to which this returns.
+RETURNS = 8
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
 # follow each other in its direction, from which on it is a drift. A free decay explains less.
 DRIFTING, BLOCKS, ONE_WAY = 0.6, 10, 8
@@ -154,6 +157,7 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     # A motion that begins from rest, as one sound after silence does, leaves zero by a step as small as its others.
     onset = np.array([_pace(samples, int(stops[k]), int(stops[k]), before=False) for k in inner]).reshape(-1)
     silent = (samples[starts[inner]] == 0) & (released <= 4 * onset)
+    held[held] = ~_last_by_chance(samples, starts, lengths, inner[held])
     bad = inner[(zero | (held & ~extreme)) & ~silent]
     if not bad.size:
         return values, []
@@ -164,6 +168,27 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     cleared = values.copy()
     cleared[where] = np.nan
     return cleared, [found(Defect.DROPOUT, times[where], where.size, numbers, channel=name)]
+
+
+def _last_by_chance(samples: RealArray, starts: Indices, lengths: Indices, runs: Indices) -> Flags:
+    """Return which runs of one value last by chance, since the channel returns to it again and again.
+
+    The base of pulses is such a level: the other runs of it are mostly short, and their mean length tells how probable
+    it is that one goes on. The runs of a value at which a sensor is stuck are long.
+    """
+    values = np.unique(samples[starts[runs]])
+    if not values.size:
+        return np.empty(0, bool)
+    place = np.minimum(np.searchsorted(values, samples[starts]), values.size - 1)
+    at = values[place] == samples[starts]
+    others, total, short = (
+        np.bincount(place[at], weights=weights[at], minlength=values.size)[place[runs]]
+        for weights in (np.ones(starts.size), lengths, lengths < FROZEN)
+    )
+    others, total = others - 1, total - lengths[runs]
+    goes_on = 1 - others / np.maximum(total, 1)
+    likely = samples.size * goes_on ** (lengths[runs] - 1.0) >= UNLIKELY
+    return np.asarray((others >= RETURNS) & (2 * short > others) & likely)
 
 
 def _converter_step(steps: RealArray) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from suspid.recordings import RawChannel
 from suspid.units import Hertz, Ratio, RealArray
 from suspid.values import frozen_real
 from suspid.wording import Argument, moment, when
-from suspid.words import Defect, Number, count
+from suspid.words import AS_MISSING, Defect, Number, count, percent
 
 # Relative difference of two rates up to which they are one, of a logger whose clock strays. A slower channel is left
 # out unless asked for by name; a record at such a rate is resampled to that of others.
@@ -28,6 +28,8 @@ ONE_RATE = 0.01
 # a long gap lies near one. A channel that leaves less than the first is left out beside others; all that leave less
 # than the second are refused. Smaller values cut without being asked what the user may have wanted.
 MOST_LEFT, ENOUGH_LEFT = 0.9, 0.8
+# Findings of samples that a file has, and cleaning takes away.
+TAKEN_AWAY = (Defect.SENTINEL, Defect.SPIKES, Defect.DROPOUT)
 
 
 def by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
@@ -96,23 +98,25 @@ def one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Find
     ), findings
 
 
-def whole(placed: Placed, *, by_name: bool) -> tuple[RealArray, dict[str, RealArray], list[Finding]]:
+def whole(
+    placed: Placed, taken: Sequence[Finding], *, by_name: bool
+) -> tuple[RealArray, dict[str, RealArray], list[Finding]]:
     """Return all channels with short gaps filled and incomplete ends cut off.
 
     Channels with more gaps are left out where at least as many others have none and none was asked for by name; else
-    they are refused.
+    they are refused. ``taken`` are the findings so far, which tell what of a channel is in the file and not believed.
     """
     times = placed.timepts
     if not np.any(np.isnan(placed.values)):
         return times, dict(zip(placed.names, placed.values, strict=True)), []
     better = {name: fill(name, times, values) for name, values in zip(placed.names, placed.values, strict=True)}
-    refused = [name for name in better if _refusal({name: better[name]}, times, MOST_LEFT) is not None]
+    refused = [name for name in better if _refusal({name: better[name]}, times, MOST_LEFT, ()) is not None]
     # Where most have gaps, the stretch to take is that between the gaps of most: there, the others are left out.
     gappy = refused if 2 * len(refused) <= len(better) else _with_own_gaps(better)
     findings: list[Finding] = []
     if not by_name and 2 * len(gappy) <= len(better):
         findings = [_gappy(name, times, better.pop(name)) for name in gappy]
-    refusal = _refusal(better, times, ENOUGH_LEFT)
+    refusal = _refusal(better, times, ENOUGH_LEFT, taken)
     if refusal is not None:
         raise refusal
     findings += [finding for filled in better.values() for finding in filled.findings]
@@ -141,7 +145,9 @@ def _with_own_gaps(channels: Mapping[str, Filled]) -> list[str]:
     return [name for name, has in zip(channels, np.any(own, axis=1), strict=True) if has]
 
 
-def _refusal(channels: Mapping[str, Filled], times: RealArray, least: Ratio) -> RecordError | None:
+def _refusal(
+    channels: Mapping[str, Filled], times: RealArray, least: Ratio, taken: Sequence[Finding]
+) -> RecordError | None:
     """Return why channels have too many gaps to be one record, or None if they have not."""
     shares = {name: _share_filled(filled) for name, filled in channels.items()}
     full_of_gaps = [name for name, share in shares.items() if share > MOST_FILLED]
@@ -151,8 +157,8 @@ def _refusal(channels: Mapping[str, Filled], times: RealArray, least: Ratio) -> 
         what = "every channel has" if rows and len(shares) > 1 else f"channel {first!r} has"
         mend = "" if rows else "leave it out or "
         return RecordError(
-            f"{what} gaps in {100 * shares[first]:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are filled; "
-            f"{mend}take a better stretch ({Argument('start')}, {Argument('stop')})"
+            f"{what} gaps in {percent(shares[first])} of its samples; up to {percent(MOST_FILLED)} are filled; "
+            f"{_not_believed([first], taken)}{mend}take a better stretch ({Argument('start')}, {Argument('stop')})"
         )
     missing = {name: np.isnan(filled.values) for name, filled in channels.items()}
     holes = np.any(list(missing.values()), axis=0)
@@ -168,11 +174,22 @@ def _refusal(channels: Mapping[str, Filled], times: RealArray, least: Ratio) -> 
     return RecordError(
         f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
         f"the longest in {', '.join(map(repr, gaps))} from {moment(times[begin[k]])} to {moment(times[end[k] - 1])} s; "
-        f"the longest stretch without such a gap is {moment(low)} to {moment(high)} s: take it with ",
+        f"{_not_believed(gaps, taken)}the longest stretch without such a gap is {moment(low)} to {moment(high)} s: "
+        f"take it with ",
         Argument("start", moment(low)),
         " and ",
         Argument("stop", moment(high)),
     )
+
+
+def _not_believed(names: Sequence[str], taken: Sequence[Finding]) -> str:
+    """Return which samples of some channels are no gaps of the file, and why cleaning takes them away."""
+    of = [finding for finding in taken if finding.channel in names and finding.kind in TAKEN_AWAY]
+    if not of:
+        return ""
+    whys = "; ".join(finding.text.removesuffix(AS_MISSING) for finding in of)
+    there = count(sum(finding.samples for finding in of), "sample")
+    return f"{there} of them are in the file and are treated as missing, as faults of the sensor: {whys}; "
 
 
 def _gappy(name: str, times: RealArray, filled: Filled) -> Finding:

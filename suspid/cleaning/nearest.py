@@ -13,7 +13,7 @@ from suspid.stamps import FEW, HOLE, SHORTEST, Indices, line, nearest_grid
 from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
 from suspid.wording import Argument
-from suspid.words import Defect, Number
+from suspid.words import Defect, Number, percent
 
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
 # holes would be filled with what the record does not say.
@@ -133,11 +133,11 @@ def _mean_step(steps: RealArray) -> Second:
 
 
 def _hollow(steps: RealArray, wide: Second) -> str:
-    share = 100 * float(np.sum(steps[steps > wide])) / max(float(np.sum(steps)), SHORTEST)
+    share = float(np.sum(steps[steps > wide])) / max(float(np.sum(steps)), SHORTEST)
     longest = int(np.argmax(steps))
     return (
         f"the time stamps are too irregular for a uniform record: half of the steps are below "
-        f"{np.median(steps):.3g} s, but {share:.2g} % of the time is in steps above {wide:.3g} s, the longest "
+        f"{np.median(steps):.3g} s, but {percent(share)} of the time is in steps above {wide:.3g} s, the longest "
         f"{steps[longest]:.3g} s after row {longest + 1}; record at a constant rate, or take a stretch without such "
         f"holes ({Argument('start')}, {Argument('stop')})"
     )

@@ -25,7 +25,7 @@ from suspid.greybox.whitened import Whitened
 from suspid.levels import SURE, likely
 from suspid.reconstruction import Unknowns
 from suspid.units import Hertz, RealArray, Second
-from suspid.words import Check, Level, Remark
+from suspid.words import Check, Level, Remark, percent
 from suspid.words.greybox import EstimateCheck
 
 # Of the lowest mode, in a stretch: sensors of inputs have one noise throughout, so ends cost more than changes do.
@@ -163,5 +163,5 @@ def _said(noisy: Sequence[Trial], fit: Fit) -> Check:
     count = len(noisy[0].sensed_roads) + noisy[0].sensed_forces
     names, std = noisy[0].channels[-count:], fit.noise[0][-count:]
     share = std / np.std(noisy[0].values[-count:], axis=1)
-    shown = tuple(f"{name} {100 * one:.2g} % of its motion" for name, one in zip(names, share.tolist(), strict=True))
+    shown = tuple(f"{name} {percent(one)} of its motion" for name, one in zip(names, share.tolist(), strict=True))
     return Check(Remark(EstimateCheck.NOISY_INPUTS, {"names": shown}), Level.NOTE)

@@ -12,6 +12,7 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.simulation import REFERENCE, road_class
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import frozen_real
+from suspid.words import percent
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -117,8 +118,8 @@ class RoadEstimate:
         text = f"road under {self.wheel}: exponent {self.exponent:.2f} ± {self.exponent_std:.2f}"
         if self.mean_roughness is None or self.mean_roughness_std is None:
             return f"{text}; roughness unknown without the speed"
-        share = 100 * self.mean_roughness_std
-        return f"{text}, G_d(0.1/m) {self.mean_roughness:.3g} m3 ± {share:.2g} %, class {self.road_class}"
+        share = percent(self.mean_roughness_std)
+        return f"{text}, G_d(0.1/m) {self.mean_roughness:.3g} m3 ± {share}, class {self.road_class}"
 
 
 def road_estimate(

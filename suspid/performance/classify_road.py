@@ -19,7 +19,7 @@ from suspid.signals import Signal, as_signal
 from suspid.simulation import ROUGHNESS, WAVELENGTHS, checked_wavelengths, road_class
 from suspid.units import Metre, RealArray
 from suspid.values import frozen_real, nearest_names
-from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words import Check, Level, Number, Remark, Verdict, percent
 from suspid.words.ride import RoadCheck, RoadHeadline
 
 # Share of the mean square slope, under a Hann window, from which a few lines beside each other are waves of one length
@@ -159,7 +159,7 @@ def _check_waves(name: str, n: RealArray, power: RealArray) -> None:
         length = 1 / n[int(np.argmax(power))]
         raise InputError(
             f"channel {name!r} is not the height of a road: waves of one length, {length:.3g} m, hold "
-            f"{100 * share:.3g} % of its mean square slope, as those of a sine; give heights with many wavelengths"
+            f"{percent(share)} of its mean square slope, as those of a sine; give heights with many wavelengths"
         )
 
 

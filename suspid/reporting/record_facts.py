@@ -11,7 +11,7 @@ from suspid.reporting.page_text import plain_line
 from suspid.reporting.thinning import is_whole
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.words import MOST_LISTED
+from suspid.words import MOST_LISTED, percent
 
 if TYPE_CHECKING:
     from suspid.identification import Identification
@@ -76,7 +76,7 @@ def chi_square_text(found: Reconstruction) -> str:
 def twin_texts(found: Reconstruction) -> list[tuple[str, str]]:
     """Return how far each twin is from the data, and what tells it apart."""
     far = [
-        f"largest pole error {100 * distance:.2g} %"
+        f"largest pole error {percent(distance)}"
         if found.chi_square is None
         else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
         for distance in found.distances

@@ -7,7 +7,7 @@ to the enumeration of its subject. Each subject is one module.
 """
 
 from suspid.words.analysis import Note, RecordCheck
-from suspid.words.cleaning import Cleaning, Defect, dead
+from suspid.words.cleaning import AS_MISSING, Cleaning, Defect, dead
 from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
@@ -16,12 +16,13 @@ from suspid.words.io import ASIDE, DAMAGE, OTHER_LENGTHS, LeftOut, rates_of_unit
 from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reasons import Reason
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
-from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
+from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row, percent
 from suspid.words.verdicts import Check, Level, Verdict, label_in_words
 from suspid.words.wear import DamperState, TrendCheck, TrendHeadline, WearCheck, WearHeadline
 
 __all__ = [
     "ASIDE",
+    "AS_MISSING",
     "DAMAGE",
     "MOST_LISTED",
     "MOST_NAMED",
@@ -65,5 +66,6 @@ __all__ = [
     "in_a_row",
     "label_in_words",
     "next_steps",
+    "percent",
     "rates_of_units",
 ]

@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias, cast
 
 from suspid.wording import Argument, moment, when
-from suspid.words.remarks import Code, Number, Words, count, in_a_row, sentence
+from suspid.words.remarks import Code, Number, Words, amount, count, in_a_row, percent, sentence
 
 Numbers: TypeAlias = Mapping[str, Number]
+# The end of what is said of samples that a file has and that are not believed.
+AS_MISSING = "; treated as missing"
 # Error of a channel, as a share of its motion, above which most of that is noise or faster than the stamps follow.
 MOSTLY_FASTER = 0.5
 
@@ -87,8 +89,7 @@ def _jittering_stamps(numbers: Numbers) -> str:
         "time stamps lie {rms:.2g} s rms, at most {largest:.2g} s, off a uniform clock of {rate:.7g} Hz; the samples "
         f"{follow}; uniform sampling assumed, samples unchanged"
     ).format_map(numbers) + (
-        f"; if the stamps are right, the error is {100 * _number(numbers, 'error'):.2g} % of the motion (rms, with "
-        f"noise)"
+        f"; if the stamps are right, the error is {percent(_number(numbers, 'error'))} of the motion (rms, with noise)"
     )
 
 
@@ -129,8 +130,8 @@ def _set_back(numbers: Numbers) -> str:
 def _gappy_channel(numbers: Numbers) -> str:
     if "share" in numbers:
         return (
-            "{samples} of {rows} samples missing, {share:.2g} %, of which at most {most:.0f} % are filled; left out, "
-            "since other channels have fewer"
+            f"{{samples}} of {{rows}} samples missing, {amount(_number(numbers, 'share'))} %, of which at most "
+            "{most:.0f} % are filled; left out, since other channels have fewer"
         ).format_map(numbers)
     return (
         "{samples} of {rows} samples missing, in gaps too long to fill; left out, since other channels have none; "
@@ -144,18 +145,18 @@ def _sentinel(numbers: Numbers) -> str:
         where = "equal to {value:.6g}, far from all others ({low:.4g} to {high:.4g})".format_map(numbers)
     else:
         where = "infinite or above {limit:g}".format_map(numbers)
-    return f"{what} {where}; treated as missing"
+    return f"{what} {where}{AS_MISSING}"
 
 
 def _dropout(numbers: Numbers) -> str:
     value = "zero" if numbers["zero"] else "one value"
     runs = _count(numbers, "run", "runs")
-    return f"{runs} of exactly {value}, up to {numbers['longest']} samples long, ended by a jump; treated as missing"
+    return f"{runs} of exactly {value}, up to {numbers['longest']} samples long, ended by a jump{AS_MISSING}"
 
 
 def _missing(numbers: Numbers) -> str:
     gaps = f"{_count(numbers, 'sample')} missing in {_count(numbers, 'gap', 'gaps')} of up to {numbers['longest']}"
-    share = f" ({100 * _number(numbers, 'share'):.2g} % of the rms motion)" if "share" in numbers else ""
+    share = f" ({percent(_number(numbers, 'share'))} of the rms motion)" if "share" in numbers else ""
     return f"{gaps}; interpolated, error {numbers['error']:.2g} rms{share}"
 
 
@@ -210,8 +211,8 @@ def _shifted_clock(numbers: Numbers) -> str:
 
 
 def _interpolated(numbers: Numbers) -> str:
-    error = 100 * _number(numbers, "error")
-    return f"interpolated onto {numbers['onto']:.6g} Hz, error at most {error:.2g} % of the motion (rms)"
+    error = percent(_number(numbers, "error"))
+    return f"interpolated onto {numbers['onto']:.6g} Hz, error at most {error} of the motion (rms)"
 
 
 def _cut(numbers: Numbers) -> str:
@@ -312,8 +313,7 @@ class Defect(Code):
     SENTINEL = "sentinel", _sentinel
     SPIKES = (
         "spikes",
-        "{samples} single samples beyond {least:.4g}, while {share:g} % of all are within {within:.4g}; treated "
-        "as missing",
+        "{samples} single samples beyond {least:.4g}, while {share:g} % of all are within {within:.4g}" + AS_MISSING,
     )
     DROPOUT = "dropout", _dropout
     MISSING = "missing", _missing

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 
 from suspid.wording import Argument, moment
-from suspid.words.remarks import Code, Number, count, sentence
+from suspid.words.remarks import Code, Number, count, percent, sentence
 
 
 def _percent(share: Number) -> str:
@@ -15,7 +15,7 @@ def _percent(share: Number) -> str:
     # A share above it is said as a multiple.
     if share > 2.0:
         return f"{share:.2g} times the size"
-    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+    return percent(share)
 
 
 def _event(numbers: Mapping[str, Number]) -> str:

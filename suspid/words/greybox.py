@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from suspid.wording import Argument
-from suspid.words.remarks import Code, count, in_a_row, sentence
+from suspid.words.remarks import Code, count, in_a_row, percent, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -45,7 +45,7 @@ def _unexplained(numbers: Numbers) -> str:
     if "caused" in numbers:
         said = (
             f"This car does not explain the records with any springs and dampers: a residual of "
-            f"{100 * numbers['caused']:.2g} % of the motion of {numbers['follower']} is correlated with the input, "
+            f"{percent(numbers['caused'])} of the motion of {numbers['follower']} is correlated with the input, "
             f"which noise is not ({chi_square}). The intervals do not allow for a wrong topology."
         )
     else:

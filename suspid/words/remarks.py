@@ -138,6 +138,17 @@ def amount(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 10 else f"{value:.2g}"
 
 
+def percent(share: float) -> str:
+    """Return a share in per cent with two digits, or all digits before the point, without an exponent.
+
+    Examples
+    --------
+    >>> percent(0.9999), percent(0.123), percent(0.00456)
+    ('100 %', '12 %', '0.46 %')
+    """
+    return f"{amount(100 * share)} %"
+
+
 def in_a_row(parts: Sequence[object]) -> str:
     """Return names in a row, the last one after an "and".
 

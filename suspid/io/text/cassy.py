@@ -16,7 +16,7 @@ from suspid.words import LeftOut, Remark
 
 FIRST_LINE = re.compile(rb"CL\d[ \t]*\n")
 # Two counts above a table, and the settings of an axis below the unit of its quantity.
-COUNTS, AXIS = re.compile(r"(\d+) (\d+)"), re.compile(r"(?:[-+.\dE]+|NAN)(?: (?:[-+.\dE]+|NAN)){15}")
+SIZE_LINE, AXIS = re.compile(r"(\d+) (\d+)"), re.compile(r"(?:[-+.\dE]+|NAN)(?: (?:[-+.\dE]+|NAN)){15}")
 # The first of the lines that say how a quantity is measured, for a spectrum.
 SPECTRUM = "10 4 "
 # Quantities that each file has first, of which the third is the frequency of spectra.
@@ -44,7 +44,7 @@ def with_cassy_names(text: bytes) -> tuple[bytes, dict[str, Remark], bool]:
     lines = [line.rstrip() for line in text.split(b"\n", MOST_HEADER)[:MOST_HEADER]]
     above = next((k for k, line in enumerate(lines[1:]) if b"\t" in line), 0)
     head = b"\n".join(lines[: above + 1]).decode().split("\n")
-    counts, columns = COUNTS.fullmatch(head[-1]), list(_columns(head))
+    counts, columns = SIZE_LINE.fullmatch(head[-1]), list(_columns(head))
     # Another version may state its quantities in another way: its columns then have no names.
     if counts is None or int(counts[1]) != len(columns):
         return text, {}, False
@@ -74,7 +74,7 @@ def _columns(head: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 def _tables_below(rows: Sequence[bytes], start: int) -> Iterator[tuple[str, Remark]]:
     """Yield the lines of the tables from a line on, and that they are left out."""
-    while start < len(rows) and (counts := COUNTS.fullmatch(rows[start].strip().decode())) is not None:
+    while start < len(rows) and (counts := SIZE_LINE.fullmatch(rows[start].strip().decode())) is not None:
         stop = start + 1 + int(counts[2])
         if stop > start + 1:
             numbers = {"lines": stop - start, "line": shortened(rows[start].decode())}
