@@ -365,6 +365,32 @@ class TestPlainHdf5:
         assert dict(plain(tmp_path, fill).left_out)["huge"].code is LeftOut.UNFILLED
 
 
+class TestOtherWriters:
+    """Structures as programs of instruments write them: MATLAB reads the first, and scipy both."""
+
+    def written(self, folder: Path, *changes: tuple[bytes, bytes]) -> Path:
+        stream = io.BytesIO()
+        savemat(stream, {"run": {"t": T, "x": X, "flaga": X, "flagb": X}})
+        content = stream.getvalue()
+        for old, new in changes:
+            assert content.count(old) == 1
+            content = content.replace(old, new)
+        (folder / "r.mat").write_bytes(content)
+        return folder / "r.mat"
+
+    # The tag and the value of the length of the names of fields, which ends the longest one.
+    SIGNED, UNSIGNED = struct.pack("<HHI", 5, 4, 6), struct.pack("<HHI", 6, 4, 6)
+
+    def test_a_length_of_names_without_a_sign(self, tmp_path: Path) -> None:
+        recording = read_recording(self.written(tmp_path, (self.SIGNED, self.UNSIGNED)))
+        assert recording.names == ("run.x", "run.flaga", "run.flagb")
+        assert recording["run.x"].values.tolist() == X.tolist()
+
+    def test_a_name_that_occurs_twice_is_numbered(self, tmp_path: Path) -> None:
+        recording = read_recording(self.written(tmp_path, (b"flagb", b"flaga")))
+        assert recording.names == ("run.x", "run.flaga", "run.flaga (2)")
+
+
 class TestAnyDamage:
     """Whatever is damaged, it gives a recording or a `RecordError`, and the process goes on."""
 

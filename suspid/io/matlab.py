@@ -8,11 +8,12 @@ matrices.
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import IntEnum
 from pathlib import Path
 
@@ -235,14 +236,15 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
     if depth >= DEEPEST:
         return Remark(LeftOut.TOO_DEEP, {"levels": DEEPEST})
     (length_kind, length), (names_kind, names) = next(parts, (0, b"")), next(parts, (0, b""))
-    if length_kind != Item.INT32 or len(length) != 4 or names_kind not in (Item.INT8, Item.UTF8):
+    # Other programs than MATLAB write the length without a sign.
+    known = length_kind in (Item.INT32, Item.UINT32)
+    if not known or len(length) != 4 or names_kind not in (Item.INT8, Item.UTF8):
         raise RecordError("is damaged: a structure lacks the names of its fields")
     width = struct.unpack(order + "i", length)[0]
     if width <= 0 or len(names) % width:
         raise RecordError("is damaged: the field names of a structure have no length")
     fields = [names[k : k + width].split(b"\0")[0].decode("latin1") for k in range(0, len(names), width)]
-    if len(set(fields)) < len(fields):
-        raise RecordError("is damaged: a structure has two fields of one name")
+    fields = _numbered(fields)
     if not fields or not math.prod(shape):
         return Remark(LeftOut.EMPTY_STRUCTURE)
     found: list[dict[str, Value]] = []
@@ -257,6 +259,21 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
     if len(found) == 1:
         return found[0]
     return {f"[{k + 1}]": one for k, one in enumerate(found)}
+
+
+def _numbered(fields: Sequence[str]) -> list[str]:
+    """Return names of fields that differ; programs other than MATLAB may write a name twice.
+
+    Examples
+    --------
+    >>> _numbered(["seat", "flags", "flags"])
+    ['seat', 'flags', 'flags (2)']
+    """
+    names: dict[str, None] = {}
+    for field in fields:
+        further = (f"{field} ({n})" for n in itertools.count(2))
+        names[field if field not in names else next(new for new in further if new not in names)] = None
+    return list(names)
 
 
 def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:
