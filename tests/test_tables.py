@@ -350,6 +350,14 @@ class TestExports:
         assert recording.names == ("CH1", "CH2")
         assert recording["CH1"].unit == "Volt"
         assert recording["CH1"].mean_rate == 500
+        assert recording["CH1"].timepts == pytest.approx(-3e-7 + np.arange(9) / 500, rel=1e-12)
+
+    @pytest.mark.parametrize("rows", ["{0},{1},\n", "{0},{1}\n"])
+    def test_names_of_settings_without_values_name_no_column(self, tmp_path: Path, rows: str) -> None:
+        text = "CH1,CH2,Start,Increment,\n" + "".join(rows.format(k * k / 8, -k / 8) for k in range(30))
+        recording = read(tmp_path, text, fs=500)
+        assert recording.names == ("CH1", "CH2")
+        assert recording["CH2"].values.tolist() == [-k / 8 for k in range(30)]
 
     @pytest.mark.parametrize("mark", [".", ","])
     def test_a_step_for_each_channel_and_no_times(self, tmp_path: Path, mark: str) -> None:

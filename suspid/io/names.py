@@ -42,6 +42,8 @@ RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtas
 HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
 STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
 STEP_NAMES |= {"increment", "xincrement", "deltax", "samplingtimeinterval"}
+# What oscilloscopes call the time of the first sample, beside the step.
+START_NAMES = {"start"}
 # Words of which one makes a name read like a time, if the numbers run as a clock does.
 TIME_WORDS = {"time", "times", "timestamp", "elapsed", "clock", "seconds", "secs", "sec", "millis", "micros", "date"}
 TIME_WORDS |= {"zeit", "zeitpunkt", "temps", "tiempo", "tempo", "tijd", "czas", "zaman", "aika", "tid", "idő", "čas"}
@@ -271,6 +273,11 @@ def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
 def is_step(name: str) -> bool:
     """Whether a number of that name states the step between two samples, not their rate."""
     return split_unit(name)[0] in STEP_NAMES
+
+
+def is_start(name: str) -> bool:
+    """Return whether a number of that name states the time of the first sample."""
+    return split_unit(name)[0] in START_NAMES
 
 
 def counts_rows(name: str, values: RealArray) -> bool:

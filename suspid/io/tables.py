@@ -42,6 +42,8 @@ class Table:
     unusable: Mapping[str, Remark] = field(default_factory=dict)
     # Sampling rates that the file states [Hz], by name; they hold for every column without a time base.
     rates: Mapping[str, Hertz] = field(default_factory=dict)
+    # Time of the first sample that the file states beside such a rate [s].
+    start: Second = 0.0
     # Units by column as the file states them; a column without one may be absent.
     units: Mapping[str, str] = field(default_factory=dict)
     # Time bases by column; columns that share one have the same object. Without one, time is the column named like a

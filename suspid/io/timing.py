@@ -92,7 +92,7 @@ def as_recording(
         parts = {} if channels else parts_of_seconds(plan, columns, stamps) | repeated_times(plan, columns)
         norms, left_out = norms | parts, left_out | outvoted | parts
     elif followers:
-        stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
+        stamps = table.start + np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
     stamps.flags.writeable = False
     by_clock: dict[int, RealArray] = {}
     raw = []

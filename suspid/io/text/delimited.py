@@ -100,6 +100,7 @@ def read_delimited(path: Path) -> Table:
         read_at_once=True,
         unusable={**left_out, **others},
         rates=layout.rates,
+        start=layout.start,
         units=layout.units,
         clocks={} if clock is None else dict.fromkeys(numeric, clock),
     )

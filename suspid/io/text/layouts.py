@@ -12,12 +12,13 @@ from functools import cache, partial
 from suspid.errors import RecordError
 from suspid.io.names import bracketed_unit, plain, stated_rate
 from suspid.io.text.axis_units import axis_unit
-from suspid.io.text.cells import Kind, kind_of, number
+from suspid.io.text.beside import stated_beside
+from suspid.io.text.cells import Kind, kind_of
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
 from suspid.io.text.label_columns import UNIT_LABELS, named_above, without_labels
 from suspid.io.text.thousands import marks_between, why_no_number
-from suspid.units import Hertz
+from suspid.units import Hertz, Second
 from suspid.words import LeftOut, Remark
 
 # A line drawn below a header.
@@ -41,6 +42,8 @@ class Layout:
     first: int
     # Sampling rates that lines above the data state [Hz].
     rates: Mapping[str, Hertz]
+    # Time of the first sample that such a line states beside the step [s].
+    start: Second
     # Lines above the data that are neither names nor units, and names that were changed.
     left_out: Mapping[str, Remark]
 
@@ -54,7 +57,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     columns = replace(columns, row=head[first])
     while first and columns.are_missing(head[first - 1]):
         first -= 1
-    above, beside = _stated_beside(head[:first], columns)
+    above, beside, start = stated_beside(head[:first], columns)
     above, of_labels = without_labels(above, columns)
     names_at, units_at = _header(above, columns)
     others = {k + 1: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
@@ -84,6 +87,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         kinds=dict(zip(names, columns.kinds, strict=True)),
         first=first,
         rates=rates,
+        start=start,
         left_out={**_listed(others), **renamed},
     )
 
@@ -226,24 +230,3 @@ def _said_once(line: str, dialect: Dialect) -> str:
     if len(cells) < 2 or len(set(cells[1:])) > 1:
         return line
     return f"{cells[0]}={cells[1].replace(',', '.') if dialect.comma else cells[1]}"
-
-
-def _stated_beside(above: Sequence[str], columns: Columns) -> tuple[list[str], dict[str, Hertz]]:
-    """Return the lines above the data without numbers under names beside the columns, and the rates these state.
-
-    Oscilloscopes write ``X,CH1,Start,Increment`` above ``Sequence,Volt,-0.5,0.001``.
-    """
-    lines, rates, dialect = list(above), dict[str, Hertz](), columns.dialect
-    for k in range(len(lines) - 1 if dialect.delimiter != " " else 0):
-        names, below = dialect.cells(lines[k]), dialect.cells(lines[k + 1])
-        kinds = [kind_of(cell, comma=dialect.comma) for cell in below]
-        if "number" not in kinds[1:] or abs(len(names) - len(below)) > 1 or len(below) <= len(columns.kinds):
-            continue
-        first = kinds.index("number")
-        numbers = dict(zip(names[first:], below[first:], strict=False))
-        stated = {name: stated_rate(name, number(cell, comma=dialect.comma) or 0.0) for name, cell in numbers.items()}
-        found = {name: rate for name, rate in stated.items() if rate is not None}
-        if found:
-            rates |= found
-            lines[k], lines[k + 1] = (dialect.delimiter.join(cells[:first]) for cells in (names, below))
-    return lines, rates
