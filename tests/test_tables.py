@@ -804,7 +804,16 @@ class TestNamesInCells:
     def test_a_last_row_that_is_cut_off_is_told(self, tmp_path: Path) -> None:
         recording = read_recording(write_text(tmp_path, "\n".join(self.rows())[:-18]))
         assert recording["Gyro"].values.size in (97, 98)
-        assert any(what.startswith("line ") for what, _ in recording.left_out)
+        assert [what for what, _ in recording.left_out if what.startswith("line ")] == ["line 99"]
+
+    @pytest.mark.parametrize("above", ["", "started\n\n"])
+    def test_messages_name_the_lines_of_the_file(self, tmp_path: Path, above: str) -> None:
+        rows = self.rows()
+        rows.insert(40, "")
+        recording = read_recording(write_text(tmp_path, above + "\n".join(rows)))
+        assert [what for what, why in recording.left_out if why.code is LeftOut.BLANK] == [
+            f"line {41 + above.count(chr(10))}"
+        ]
 
     def test_others_in_one_row_are_refused(self, tmp_path: Path) -> None:
         rows = self.rows()

@@ -64,7 +64,10 @@ def read_delimited(path: Path) -> Table:
     text, notes = without_notes(text, within=HEAD_BYTES)
     left_out |= {**of_cassy, **notes}
     text = with_coordinates(with_tabs(with_point_stamps(text), within=HEAD_BYTES), within=HEAD_BYTES)
-    text = with_names_above(text, within=HEAD_BYTES)
+    unnamed = text
+    text = with_names_above(unnamed, within=HEAD_BYTES)
+    inserted = int(text is not unnamed)
+    del unnamed
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
@@ -75,12 +78,12 @@ def read_delimited(path: Path) -> Table:
         layout = find_layout(top, list(filter(str.strip, (*top, *within))))
     except RecordError:
         _refuse_frames(top)
-        _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1)
+        _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1 - inserted)
         raise
     refuse_thousands([*top[layout.first :], *within], layout.names, layout.dialect)
     start = sum(len(line) + 1 for line in head[: layout.first])
     layout = with_late_column(layout, text, start)
-    rows, odd = find_rows(text, start, layout, is_open=ends_within and not whole)
+    rows, odd = find_rows(text, start, layout, is_open=ends_within and not whole, inserted=inserted)
     del text
     counter = _counter(layout, top)
     left_out |= {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}

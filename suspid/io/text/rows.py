@@ -115,15 +115,19 @@ def _lines(piece: bytes) -> int:
     return int(np.count_nonzero(np.frombuffer(piece, np.uint8) == ord("\n")))
 
 
-def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False) -> tuple[Rows, dict[str, Remark]]:
+def find_rows(
+    text: bytes, start: int, layout: Layout, *, is_open: bool = False, inserted: int = 0
+) -> tuple[Rows, dict[str, Remark]]:
     """Return the rows of a text from ``start`` on, and the lines between and below them that are not rows.
 
     ``is_open`` tells that the text ends within a line; a row there whose last number is cut short is left out.
+    ``inserted`` is the number of lines above the rows that the file has not.
     """
     blank: list[int] = []
     odd: dict[int, str] = {}
     read: dict[int, RealArray] = {}
-    line = layout.first + 1
+    first = layout.first + 1 - inserted
+    line = first
     for piece in _pieces(text, start):
         count = _lines(piece)
         whole, known = every_number(piece, count, layout, size=len(text)), len(blank) + len(odd)
@@ -144,7 +148,7 @@ def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False)
     last = next(n for n in range(line - 1, -1, -1) if n not in skipped)
     ending = (
         _ending(text[max(start, len(text) - PIECE // 4) :], line, layout, skipped)
-        if is_open and last == line - 1 > layout.first + 1
+        if is_open and last == line - 1 > first
         else None
     )
     if ending is not None and ending.code is not LeftOut.NO_END:
@@ -163,7 +167,6 @@ def find_rows(text: bytes, start: int, layout: Layout, *, is_open: bool = False)
     if inner:
         said[f"line {inner[0]}"] = Remark(LeftOut.BLANK, {"more": len(inner) - 1})
     said |= {} if ending is None else {f"line {line - 1}": ending}
-    first = layout.first + 1
     size = line - first - len(skipped)
     return Rows(text=text, start=start, first=first, layout=layout, skipped=skipped, size=size, read=read), said
 
