@@ -247,7 +247,9 @@ def test_long_names_and_reasons_fit_a_terminal() -> None:
     noisy = np.array(rows) + 1e-3 * np.random.default_rng(2).standard_normal(t.size)
     found = identify(as_record(noisy, timepts=t, channels=["Linear Acceleration of the body (m/s^2)"]))
     text = str(found)
-    assert "amplitude in Linear" in text
+    title, heads, *_ = text.partition("mode 1: amplitude in")[2].split("\n")
+    assert title == " Linear Acceleration of the body (m/s^2)"
+    assert heads.split() == ["amplitude", "f", "[Hz]", "±", "zeta", "[1]", "±"]
     names = tuple(f"Linear Acceleration {axis} (m/s^2)" for axis in "xyz")
     raw = (RawChannel(name=name, unit="m/s^2", timepts=t, values=noisy, rate=100.055) for name in names)
     for said in (text, str(Recording(title="phone", channels=tuple(raw)))):

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.files import printable
 from suspid.identification.nonlinear import AmplitudeDependence
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.text_tables import COLUMN_GAP, NOTHING, TERMINAL, sentence_table, text_table
+from suspid.text_tables import COLUMN_GAP, NOTHING, TERMINAL, named, sentence_table, text_table
 from suspid.wavelets import Ridge
 from suspid.wording import WayOut
 
@@ -100,12 +99,17 @@ def _of_amplitudes(mode: int, each: AmplitudeDependence, *, whole: bool) -> str:
     columns, count = _amplitude_columns(mode, each), len(each.amplitude)
     rows = np.unique(np.linspace(0, count - 1, count if whole else min(count, MOST_AMPLITUDES_LISTED)).round())
     cells = {heading: [column[int(i)] for i in rows] for heading, column in columns.items()}
-    return text_table(cells, widest=TERMINAL) + _more(count - len(rows))
+    title = next(iter(cells))
+    table = text_table(cells)
+    if len(table.partition("\n")[0]) > TERMINAL:
+        # Of a channel with a long name the title stands above the table.
+        table = f"{title}\n{text_table({'amplitude': cells.pop(title), **cells})}"
+    return table + _more(count - len(rows))
 
 
 def _amplitude_columns(mode: int, each: AmplitudeDependence) -> dict[str, list[str]]:
     return {
-        f"mode {mode}: amplitude in {printable(each.channel)}": [f"{value:.3g}" for value in each.amplitude],
+        f"mode {mode}: amplitude in {named(each.channel)}": [f"{value:.3g}" for value in each.amplitude],
         "f [Hz]": [f"{value:.5g}" for value in each.wn / (2 * np.pi)],
         "±": [f"{value:.2g}" for value in each.wn_std / (2 * np.pi)],
         "zeta [1]": [f"{value:.3g}" for value in each.zeta],
