@@ -237,6 +237,15 @@ class TestRigidBodies:
         assert modes.kinds == ("rigid", "real")
         np.testing.assert_allclose(modes.poles, [0.0, -3.0], rtol=1e-14, atol=0)
 
+    def test_what_follows_from_the_kind_of_a_pole_has_no_deviation_in_the_table(self) -> None:
+        modes = ModalSet(poles=[0.0, -3 + 4j, -16.0], covariance=1e-2 * np.eye(6))
+        cells = [line.split() for line in str(modes).split("\n")[2:]]
+        assert [(row[3], row[4], row[5]) for row in cells] == [
+            ("–", "0", "–"),
+            ("0.10", "0.600", "0.016"),
+            ("0.10", "1", "–"),
+        ]
+
     def test_sampled_integrators_are_rigid_too(self) -> None:
         sampled = control.sample_system(control.ss([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], 0), 0.01)
         assert eigenmodes(sampled).kinds == ("rigid", "rigid")
