@@ -64,6 +64,14 @@ class TestNames:
         assert recording["U_A1"].timepts == pytest.approx(TIMES)
         assert dict(recording.left_out).keys() == {"n"}
 
+    def test_a_temperature_is_no_time(self, tmp_path: Path) -> None:
+        """Beside the samples stands how often each of some temperatures occurred."""
+        temperature = (COMPUTED, "Temperatur", "T_B1", "K")
+        steps = np.where(np.arange(ROWS) < 3, 297 + np.arange(ROWS) / 2, np.nan)
+        recording = read_recording(saved(tmp_path, lab([VOLTAGE, temperature], [VOLTS, steps])))
+        assert recording.names[0] == "U_A1"
+        assert LeftOut.LIKE_TIME not in [why.code for _, why in recording.left_out]
+
     def test_slow_records_are_no_milliseconds(self, tmp_path: Path) -> None:
         recording = read_recording(saved(tmp_path, lab([VOLTAGE], [VOLTS], unit="min", times=100 * TIMES)))
         assert recording["U_A1"].mean_rate == pytest.approx(1)

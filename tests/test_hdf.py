@@ -370,12 +370,13 @@ class TestOtherWriters:
 
     def written(self, folder: Path, *changes: tuple[bytes, bytes]) -> Path:
         stream = io.BytesIO()
-        savemat(stream, {"run": {"t": T, "x": X, "flaga": X, "flagb": X}})
-        content = stream.getvalue()
+        content = {"run": {"t": T, "x": X, "flaga": X, "flagb": X}}
+        savemat(stream, content)  # type: ignore[arg-type]  # the stubs know paths only
+        written = stream.getvalue()
         for old, new in changes:
-            assert content.count(old) == 1
-            content = content.replace(old, new)
-        (folder / "r.mat").write_bytes(content)
+            assert written.count(old) == 1
+            written = written.replace(old, new)
+        (folder / "r.mat").write_bytes(written)
         return folder / "r.mat"
 
     # The tag and the value of the length of the names of fields, which ends the longest one.

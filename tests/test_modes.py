@@ -238,7 +238,7 @@ class TestRigidBodies:
         np.testing.assert_allclose(modes.poles, [0.0, -3.0], rtol=1e-14, atol=0)
 
     def test_what_follows_from_the_kind_of_a_pole_has_no_deviation_in_the_table(self) -> None:
-        modes = ModalSet(poles=[0.0, -3 + 4j, -16.0], covariance=1e-2 * np.eye(6))
+        modes = ModalSet(poles=np.array([0.0, -3 + 4j, -16.0]), covariance=1e-2 * np.eye(6))
         cells = [line.split() for line in str(modes).split("\n")[2:]]
         assert [(row[3], row[4], row[5]) for row in cells] == [
             ("–", "0", "–"),

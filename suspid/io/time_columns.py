@@ -105,7 +105,7 @@ def _spare(table: Table, free: Sequence[str]) -> list[str]:
 
     Those that never fall are times of slower sensors.
     """
-    named = [name for name in free if may_be_time(name)]
+    named = [name for name in free if may_be_time(name) and table.units.get(name, "").lower() in ("", *PER_SECOND)]
     found: list[str] = []
     with contextlib.suppress(RecordError):
         for name, numbers in zip(named, table.columns(named), strict=True):

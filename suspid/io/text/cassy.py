@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 from suspid.io.names import PER_SECOND
 from suspid.io.text.dialects import shortened
-from suspid.words import LeftOut, Remark
+from suspid.words import LeftOut, Number, Remark
 
 FIRST_LINE = re.compile(rb"CL\d[ \t]*\n")
 # Two counts above a table, and the settings of an axis below the unit of its quantity.
@@ -77,6 +77,6 @@ def _tables_below(rows: Sequence[bytes], start: int) -> Iterator[tuple[str, Rema
     while start < len(rows) and (counts := SIZE_LINE.fullmatch(rows[start].strip().decode())) is not None:
         stop = start + 1 + int(counts[2])
         if stop > start + 1:
-            numbers = {"lines": stop - start, "line": shortened(rows[start].decode())}
+            numbers: dict[str, Number] = {"lines": stop - start, "line": shortened(rows[start].decode())}
             yield f"lines {start + 1} to {stop}", Remark(LeftOut.OTHER_TABLE, numbers)
         start = stop
