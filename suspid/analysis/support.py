@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # of a voice has other tones beside.
 NEARLY_ALL = 0.95
 # Several that swing many times, and together beat this often, are as plain.
-FEWEST_BEATS = 2
+PLAIN_BEATS = 2
 # One that swings this often, and would many times before it has faded, must explain this share: slow noise that a pole
 # follows for a few cycles leaves more.
 FEW_SWINGS, ALL_BUT_NOISE = 3.0, 0.999
@@ -195,7 +195,7 @@ def _coherent(found: Identification) -> NDArray[np.bool_]:
     for mode in np.flatnonzero(coherent):
         left = np.min(left_by_modes(signal, found.modes[mode : mode + 1]))
         coherent[mode] = left < 1 - (NEARLY_ALL if many[mode] else ALL_BUT_NOISE)
-    return np.asarray(coherent | (many & (beats(found) >= FEWEST_BEATS)))
+    return np.asarray(coherent | (many & (beats(found) >= PLAIN_BEATS)))
 
 
 def _again(found: Identification, stretch: Used) -> bool:
