@@ -223,6 +223,14 @@ class TestChannels:
         values = pulses + np.where(rng.random(2000) < 0.7, 0.0, rng.uniform(-0.07, 0.07, 2000))
         assert inspect("1", np.arange(2000) / 200e3, values).findings == ()
 
+    def test_a_value_that_motion_passes_often_is_no_such_base(self) -> None:
+        """It is passed in single samples, 40 times: a run of five is improbable."""
+        values = np.round(3.0 * np.sin(0.2 * np.arange(2000)), 3)
+        values[7 + 47 * np.arange(40)] = 0.4
+        values[912:917] = 0.4
+        (found,) = inspect("1", np.arange(2000) / 200, values).findings
+        assert (found.kind, found.samples) == (Defect.DROPOUT, 5)
+
     @pytest.mark.parametrize("often", [1, 12])
     def test_a_value_at_which_a_sensor_sticks_is_no_such_base(self, often: int) -> None:
         """The sample behind a stuck value is far from it, since the motion has gone on; now and then it comes back."""

@@ -25,8 +25,9 @@ SPIKE_OVER, BESIDE_SPIKE, WITHIN, FEWEST_SPIKES = 1000.0, 30.0, 0.95, 3
 SAMPLES_LOOKED_AT = 4096
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
-# Other runs of its value that show whether it is a level of the channel, to which this returns.
-RETURNS = 8
+# Shorter runs of its value that show that it is a level of the channel, to which this returns. With their mean length,
+# runs of any length are as probable as the next sample.
+RETURNS, LONGEST_MEAN = 8, 2.0
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
 # follow each other in its direction, from which on it is a drift. A free decay explains less.
 DRIFTING, BLOCKS, ONE_WAY = 0.6, 10, 8
@@ -173,22 +174,21 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
 def _last_by_chance(samples: RealArray, starts: Indices, lengths: Indices, runs: Indices) -> Flags:
     """Return which runs of one value last by chance, since the channel returns to it again and again.
 
-    The base of pulses is such a level: the other runs of it are mostly short, and their mean length tells how probable
-    it is that one goes on. The runs of a value at which a sensor is stuck are long.
+    The base of pulses is such a level. Its short runs tell how probable it is that one goes on: of lengths up to 3 with
+    the probabilities 1, q and q², the mean is m where ``(3 - m) q² + (2 - m) q = m - 1``. A value at which a sensor is
+    stuck has long runs, and hardly any of two or three samples.
     """
     values = np.unique(samples[starts[runs]])
     if not values.size:
         return np.empty(0, bool)
     place = np.minimum(np.searchsorted(values, samples[starts]), values.size - 1)
-    at = values[place] == samples[starts]
-    others, total, short = (
-        np.bincount(place[at], weights=weights[at], minlength=values.size)[place[runs]]
-        for weights in (np.ones(starts.size), lengths, lengths < FROZEN)
-    )
-    others, total = others - 1, total - lengths[runs]
-    goes_on = 1 - others / np.maximum(total, 1)
-    likely = samples.size * goes_on ** (lengths[runs] - 1.0) >= UNLIKELY
-    return np.asarray((others >= RETURNS) & (2 * short > others) & likely)
+    short = (values[place] == samples[starts]) & (lengths < FROZEN)
+    often = np.bincount(place[short], minlength=values.size)[place[runs]]
+    total = np.bincount(place[short], weights=lengths[short], minlength=values.size)[place[runs]]
+    mean = np.clip(total / np.maximum(often, 1), 1, LONGEST_MEAN)
+    goes_on = (mean - 2 + np.sqrt((2 - mean) ** 2 + 4 * (3 - mean) * (mean - 1))) / (2 * (3 - mean))
+    likely = often * np.minimum(goes_on, 1.0) ** (lengths[runs] - 1.0) >= UNLIKELY
+    return np.asarray((often >= RETURNS) & likely)
 
 
 def _converter_step(steps: RealArray) -> float:
