@@ -86,6 +86,11 @@ class TestNames:
         path.write_text("CL4\nt,seat\n" + "".join(f"{t:.2f},{y:.4f}\n" for t, y in zip(TIMES, VOLTS, strict=True)))
         assert read_recording(path).names == ("seat",)
 
+    @pytest.mark.parametrize("counts", ["3 " + 5000 * "9", "0 300", "300", "x"])
+    def test_damaged_counts_are_no_crash(self, tmp_path: Path, counts: str) -> None:
+        text = lab([VOLTAGE], [VOLTS]).replace(f"\r\n3 {ROWS}\r\n", f"\r\n{counts}\r\n")
+        assert read_recording(saved(tmp_path, text), time="column 2")["column 3"].values.size == ROWS
+
 
 class TestTables:
     """Spectra have no column in the table of samples, but a table of their own behind it."""

@@ -16,7 +16,7 @@ from suspid.words import LeftOut, Number, Remark
 
 FIRST_LINE = re.compile(rb"CL\d[ \t]*\n")
 # Two counts above a table, and the settings of an axis below the unit of its quantity.
-SIZE_LINE, AXIS = re.compile(r"(\d+) (\d+)"), re.compile(r"(?:[-+.\dE]+|NAN)(?: (?:[-+.\dE]+|NAN)){15}")
+SIZE_LINE, AXIS = re.compile(r"(\d{1,9}) (\d{1,9})"), re.compile(r"(?:[-+.\dE]+|NAN)(?: (?:[-+.\dE]+|NAN)){15}")
 # The first of the lines that say how a quantity is measured, for a spectrum.
 SPECTRUM = "10 4 "
 # Quantities that each file has first, of which the third is the frequency of spectra.
@@ -46,7 +46,7 @@ def with_cassy_names(text: bytes) -> tuple[bytes, dict[str, Remark], bool]:
     head = b"\n".join(lines[: above + 1]).decode().split("\n")
     counts, columns = SIZE_LINE.fullmatch(head[-1]), list(_columns(head))
     # Another version may state its quantities in another way: its columns then have no names.
-    if counts is None or int(counts[1]) != len(columns):
+    if counts is None or not 2 < int(counts[1]) == len(columns):
         return text, {}, False
     rows = text.split(b"\n")
     stop = len(head) + int(counts[2])
