@@ -64,6 +64,20 @@ def test_it_is_said_unless_the_part_was_chosen() -> None:
     assert Note.LARGER_ELSEWHERE not in {note.code for note in chosen.notes}
 
 
+@pytest.mark.parametrize(("wn", "level"), [(20.5, Level.SOUND), (21.4, Level.CARE)])
+def test_a_larger_release_answers_it_with_the_same_mode_alone(wn: float, level: Level) -> None:
+    """A second release is a twentieth of the first, of the same mode or of one that is 4 % slower."""
+    time = np.arange(0.0, 18.6, 0.01)
+    first, late = time - 0.6, time - 9.6
+    motion = np.where((first >= 0) & (late < 0), np.exp(-0.286 * first) * np.cos(wn * first), 0.0)
+    motion += 0.05 * np.where(late >= 0, np.exp(-0.286 * late) * np.cos(20.5 * late), 0.0)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = analyse(as_response(time, (motion + noise)[None], ["y"]))
+    assert found.used[0].start == pytest.approx(9.6, abs=0.1)
+    assert Note.LARGER_ELSEWHERE in {note.code for note in found.notes}
+    assert found.verdict.level is level
+
+
 def pendulum(*, zeta: float, friction: float) -> RealArray:
     """Return a pendulum in counts at 20 Hz, held for a second and let go, that friction of its pivot stops.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from suspid.analysis.choice import doubts_of
 from suspid.analysis.commanded import ANSWERED_BY_COMMAND
+from suspid.analysis.far_larger import shows_the_same
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import belonging
 from suspid.decays import Decay, Decays
@@ -180,7 +181,7 @@ class Analysis(Result):
         failed = [
             Check(Remark(CALLS_FOR_CARE[note.code], note.numbers), Level.CARE)
             for note in self.notes
-            if isinstance(note.code, Note) and note.code in CALLS_FOR_CARE
+            if isinstance(note.code, Note) and note.code in CALLS_FOR_CARE and not self._answered(note)
         ]
         unsettled = () if self.estimate is not None else self.notes
         failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
@@ -205,6 +206,11 @@ class Analysis(Result):
             ]
         doubts = doubts_of(self.used, self.identification, self.decays)
         return Verdict(found.headline, (*doubts, *found.checks, *of_recording, *springs, *failed))
+
+    def _answered(self, note: Remark) -> bool:
+        """Return whether larger motion elsewhere is a decay that shows the same modes."""
+        larger = note.code is Note.LARGER_ELSEWHERE
+        return larger and shows_the_same(self.decays, float(str(note.numbers["time"])), self.modes)
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return self.modes._table()

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.used import Used
-from suspid.decays import SAME_MODE
+from suspid.decays import SAME_MODE, Decay
 from suspid.identification import FEWEST_SAMPLES, LEAST_EXPLAINED, Identification
 from suspid.levels import NORMAL_95
 from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
+from suspid.units import Second
 from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
@@ -118,6 +119,13 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
         return ()
     middle = signal.start + signal.step * float(apart[most] + count / 2)
     return (Remark(Note.LARGER_ELSEWHERE, {"times": float(np.sqrt(more[most])), "time": middle}),)
+
+
+def shows_the_same(decays: Sequence[Decay], time: Second, modes: ModalSet) -> bool:
+    """Return whether a decay about a time has all of the modes, as far as a quick fit tells."""
+    there = [decay.wn for decay in decays if decay.start <= time <= decay.stop and decay.wn.size]
+    apart = [np.min(np.abs(modes.wn[:, None] / wn - 1), axis=1) for wn in there]
+    return any(bool(np.all(each < UNLIKE_WN)) for each in apart)
 
 
 def hardly_any(record: control.TimeResponseData, stretch: Used) -> bool:
