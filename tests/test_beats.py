@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import analyse, identify
+from suspid import Settings, analyse, identify
+from suspid.analysis.support import of_a_wave
 from suspid.analysis.swelling import beats
+from suspid.analysis.used import Used
 from suspid.records import as_response
 from suspid.units import RealArray
 
@@ -32,7 +34,7 @@ def coupled(
     return as_response(time, motion, ["left", "right"]), np.sqrt([WN**2, WN**2 + 2 * spring])
 
 
-@pytest.mark.parametrize("seed", [101, 105, 120])
+@pytest.mark.parametrize("seed", [105, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (101, 120))])
 def test_pendulums_that_beat_are_two_modes(seed: int) -> None:
     """What swells again and again, and is two modes, is no wave, nor does its decay end where they are out of step."""
     rng = np.random.default_rng(seed)
@@ -56,6 +58,17 @@ def test_two_modes_are_out_of_step_once_in_each_beat(wn: float) -> None:
     found = identify(as_response(time, (motion + noise)[None], ["left"]))
     # They are out of step in the middle of each beat, of which the record shows that many.
     assert beats(found) == int(40.0 * abs(wn - 9) / (2 * np.pi) + 0.5)
+
+
+@pytest.mark.parametrize(("wn", "wave"), [(9.2, False), (9.08, True)])
+def test_what_rises_once_may_be_a_wave(wn: float, wave: bool) -> None:
+    """Of the slower beat the record shows the first swell alone, which one wave explains as well."""
+    time = np.arange(0.0, 70.0, 0.05)
+    motion = np.exp(-0.002 * time) * (np.cos(9 * time) - np.cos(wn * time))
+    noise = 3e-3 * np.random.default_rng(1).standard_normal(time.size)
+    record = as_response(time, (motion + noise)[None], ["left"])
+    stretch = Used(record=record, decays=(), used=(), notes=())
+    assert of_a_wave(identify(record), stretch, Settings(), record) == (wave, wave)
 
 
 def test_one_burst_after_the_other_does_not_beat() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import Settings, analyse, identify
-from suspid.analysis.far_larger import larger_elsewhere, only_the_end
+from suspid import ModalSet, Settings, analyse, find_decays, identify
+from suspid.analysis.far_larger import larger_elsewhere, only_the_end, shows_the_same
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
@@ -64,6 +64,18 @@ def test_it_is_said_unless_the_part_was_chosen() -> None:
     assert Note.LARGER_ELSEWHERE not in {note.code for note in chosen.notes}
 
 
+@pytest.mark.parametrize(("wn", "same"), [(20.5, True), (20.4, True), (21.4, False), (20.1, False)])
+def test_a_decay_about_a_time_shows_the_same_modes(wn: float, same: bool) -> None:
+    """Modes that differ by more than a hundredth are unlike; before and after the decay there is none."""
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(TIME.size)
+    late = TIME - 5
+    motion = np.where(late >= 0, np.exp(-0.6 * late) * np.cos(20.5 * late), 0.0)
+    decays = find_decays(as_response(TIME, (motion + noise)[None], ["y"]))
+    modes = ModalSet(poles=[complex(-0.3, wn)])
+    assert [shows_the_same(decays, time, modes) for time in (2.0, 6.0, 29.0)] == [False, same, False]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("wn", "level"), [(20.5, Level.SOUND), (21.4, Level.CARE)])
 def test_a_larger_release_answers_it_with_the_same_mode_alone(wn: float, level: Level) -> None:
     """A second release is a twentieth of the first, of the same mode or of one that is 4 % slower."""
