@@ -1,5 +1,7 @@
 """Two close modes swell and sink in turn: what pendulums coupled by a weak spring do, integrated finely."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from suspid.analysis.swelling import beats
 from suspid.analysis.used import Used
 from suspid.records import as_response
 from suspid.units import RealArray
+from suspid.words import Check, Level, ModeCheck, Remark
 
 WN = 3.2
 
@@ -34,7 +37,7 @@ def coupled(
     return as_response(time, motion, ["left", "right"]), np.sqrt([WN**2, WN**2 + 2 * spring])
 
 
-@pytest.mark.parametrize("seed", [105, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (101, 120))])
+@pytest.mark.parametrize("seed", [105, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (109, 120))])
 def test_pendulums_that_beat_are_two_modes(seed: int) -> None:
     """What swells again and again, and is two modes, is no wave, nor does its decay end where they are out of step."""
     rng = np.random.default_rng(seed)
@@ -69,6 +72,17 @@ def test_what_rises_once_may_be_a_wave(wn: float, wave: bool) -> None:
     record = as_response(time, (motion + noise)[None], ["left"])
     stretch = Used(record=record, decays=(), used=(), notes=())
     assert of_a_wave(identify(record), stretch, Settings(), record) == (wave, wave)
+
+
+def test_modes_that_halves_disagree_on_do_not_beat(monkeypatch: pytest.MonkeyPatch) -> None:
+    time = np.arange(0.0, 40.0, 0.01)
+    motion = np.exp(-0.01 * time) * (np.cos(9 * time) + np.cos(9.6 * time))
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = identify(as_response(time, (motion + noise)[None], ["left"]))
+    assert beats(found) == 4
+    disagree = Check(Remark(ModeCheck.HALVES_DISAGREE, {"mode": 1, "apart": 9.0}), Level.CARE)
+    monkeypatch.setitem(vars(found), "verdict", replace(found.verdict, checks=(disagree,)))
+    assert beats(found) == 0
 
 
 def test_one_burst_after_the_other_does_not_beat() -> None:

@@ -71,7 +71,7 @@ def test_a_decay_about_a_time_shows_the_same_modes(wn: float, same: bool) -> Non
     late = TIME - 5
     motion = np.where(late >= 0, np.exp(-0.6 * late) * np.cos(20.5 * late), 0.0)
     decays = find_decays(as_response(TIME, (motion + noise)[None], ["y"]))
-    modes = ModalSet(poles=[complex(-0.3, wn)])
+    modes = ModalSet(poles=np.array([complex(-0.3, wn)]))
     assert [shows_the_same(decays, time, modes) for time in (2.0, 6.0, 29.0)] == [False, same, False]
 
 

@@ -12,6 +12,7 @@ from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal, block_means
 from suspid.units import Ratio, RealArray
+from suspid.words import ModeCheck
 
 if TYPE_CHECKING:
     import control
@@ -90,8 +91,9 @@ def beyond_wave(record: control.TimeResponseData, found: Identification) -> Rati
 def beats(found: Identification) -> int:
     """Return how often a motion sinks to a share of its power and rises again, where two modes or more explain it.
 
-    They leave no more than one wave may, which rises once. What a few modes explain again and again is of one phase.
-    Fewer times than there are modes count as none: with many, modes follow any motion.
+    They leave no more than one wave may, which rises once. What a few modes explain again and again is of one phase,
+    and no half of it has other modes. Fewer times than there are modes count as none: with many, modes follow any
+    motion.
 
     Examples
     --------
@@ -105,7 +107,8 @@ def beats(found: Identification) -> int:
     """
     from scipy.signal import find_peaks
 
-    if len(found.modes) < 2:
+    disagree = any(check.remark.code is ModeCheck.HALVES_DISAGREE for check in found.verdict.checks)
+    if len(found.modes) < 2 or disagree:
         return 0
     signal = as_signal(held(found, "response"))
     left = left_by_modes(signal, found.modes)
