@@ -38,11 +38,7 @@ def words_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave the modules of all tests to no collection of garbage: each failed reading of a file asks for one.
-
-    Figures make many objects that live long: looking for garbage after every 700 of them takes a tenth of their time.
-    """
+    """Leave the modules of all tests to no collection of garbage: each failed reading of a file asks for one."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(20_000, 10, 10)
     gc.enable()
