@@ -8,12 +8,11 @@ matrices.
 from __future__ import annotations
 
 import io
-import itertools
 import math
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from pathlib import Path
 
@@ -24,6 +23,7 @@ from suspid.files import printable, read_bytes
 from suspid.io.iddata import of_iddata
 from suspid.io.labels import Group, Text, Value, Variable, of_cells
 from suspid.io.limits import check_memory, most_bytes
+from suspid.io.names import told_apart
 from suspid.io.tables import Table
 from suspid.io.variables import DEEPEST, as_table
 from suspid.words import LeftOut, Remark
@@ -244,7 +244,8 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
     if width <= 0 or len(names) % width:
         raise RecordError("is damaged: the field names of a structure have no length")
     fields = [names[k : k + width].split(b"\0")[0].decode("latin1") for k in range(0, len(names), width)]
-    fields = _numbered(fields)
+    # Such programs may also write a name twice.
+    fields = told_apart(fields)
     if not fields or not math.prod(shape):
         return Remark(LeftOut.EMPTY_STRUCTURE)
     found: list[dict[str, Value]] = []
@@ -259,21 +260,6 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
     if len(found) == 1:
         return found[0]
     return {f"[{k + 1}]": one for k, one in enumerate(found)}
-
-
-def _numbered(fields: Sequence[str]) -> list[str]:
-    """Return names of fields that differ; programs other than MATLAB may write a name twice.
-
-    Examples
-    --------
-    >>> _numbered(["seat", "flags", "flags"])
-    ['seat', 'flags', 'flags (2)']
-    """
-    names: dict[str, None] = {}
-    for field in fields:
-        further = (f"{field} ({n})" for n in itertools.count(2))
-        names[field if field not in names else next(new for new in further if new not in names)] = None
-    return list(names)
 
 
 def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -86,6 +89,26 @@ NUMBERED_TEST = (
     r"(?:run|test|trial|take|shot|data ?set|lauf|versuch|messung|essai|mesure|prueba|ensayo|prova)[\W_]*\d+\]?"
 )
 NUMBERED_LAST = re.compile(rf"(.*\S)\s+({NUMBERED_TEST})", re.I)
+
+
+def told_apart(names: Sequence[str]) -> list[str]:
+    """Return names that differ: one that occurs again is numbered, as no other is called.
+
+    Examples
+    --------
+    >>> told_apart(["seat", "flags", "flags", "flags (2)"])
+    ['seat', 'flags', 'flags (3)', 'flags (2)']
+    """
+    apart, taken, above = list[str](), set(names), set[str]()
+    further: defaultdict[str, Iterator[int]] = defaultdict(lambda: itertools.count(2))
+    for name in names:
+        new = name
+        if name in above:
+            new = next(other for n in further[name] if (other := f"{name} ({n})") not in taken)
+        apart.append(new)
+        above.add(new)
+        taken.add(new)
+    return apart
 
 
 def plain(text: str) -> str:

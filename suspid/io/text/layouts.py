@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 
 from suspid.errors import RecordError
-from suspid.io.names import bracketed_unit, plain, stated_rate
+from suspid.io.names import bracketed_unit, plain, stated_rate, told_apart
 from suspid.io.text.axis_units import axis_unit
 from suspid.io.text.beside import stated_beside
 from suspid.io.text.cells import Kind, kind_of
@@ -194,15 +194,12 @@ def _names(columns: Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
     names = [name or f"column {k + 1}" for k, name in enumerate(cells)]
     if columns.trailing and not cells[-1]:
         names[-1] = ""
-    renamed, taken, above = {}, set(names), set[str]()
-    further: defaultdict[str, Iterator[int]] = defaultdict(lambda: itertools.count(2))
-    for k, name in enumerate(names):
-        if name in above:
-            names[k] = next(new for n in further[name] if (new := f"{name} ({n})") not in taken)
-            renamed[f"name of column {k + 1}"] = Remark(LeftOut.NAME_TWICE, {"name": name, "new": names[k]})
-        above.add(names[k])
-        taken.add(names[k])
-    return names, renamed
+    apart = told_apart(names)
+    return apart, {
+        f"name of column {k + 1}": Remark(LeftOut.NAME_TWICE, {"name": name, "new": new})
+        for k, (name, new) in enumerate(zip(names, apart, strict=True))
+        if new != name
+    }
 
 
 def _listed(others: Mapping[int, str]) -> dict[str, Remark]:
