@@ -14,7 +14,7 @@ from suspid.levels import NORMAL_95
 from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.units import Second
+from suspid.units import Flags, Ratio, RealArray, Second
 from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
@@ -68,9 +68,8 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
         return False
     if whole.forces and (whole.verdict.level >= part.verdict.level or _larger_are_unlike(whole, ends)):
         return True
-    apart = np.abs(modes.zeta[nearest] - ends.zeta)
-    sure = NORMAL_95 * np.hypot(modes.zeta_std[nearest], ends.zeta_std)
-    return bool(np.any(apart > np.maximum(sure, UNLIKE * ends.zeta)))
+    unlike = _unlike(modes.zeta[nearest], modes.zeta_std[nearest], ends.zeta, ends.zeta_std, UNLIKE)
+    return bool(np.any(unlike))
 
 
 def _larger_are_unlike(whole: Identification, ends: ModalSet) -> bool:
@@ -79,11 +78,19 @@ def _larger_are_unlike(whole: Identification, ends: ModalSet) -> bool:
         return False
     for each in whole.amplitude_dependence:
         one, swings = int(np.argmin(np.abs(ends.wn - np.median(each.wn)))), each.known
-        by_wn = np.maximum(NORMAL_95 * np.hypot(swings.wn_std, ends.wn_std[one]), UNLIKE_WN * ends.wn[one])
-        by_zeta = np.maximum(NORMAL_95 * np.hypot(swings.zeta_std, ends.zeta_std[one]), UNLIKE * ends.zeta[one])
-        if np.any((np.abs(swings.wn - ends.wn[one]) > by_wn) | (np.abs(swings.zeta - ends.zeta[one]) > by_zeta)):
+        by_wn = _unlike(swings.wn, swings.wn_std, ends.wn[one], ends.wn_std[one], UNLIKE_WN)
+        by_zeta = _unlike(swings.zeta, swings.zeta_std, ends.zeta[one], ends.zeta_std[one], UNLIKE)
+        if np.any(by_wn | by_zeta):
             return True
     return False
+
+
+def _unlike(
+    larger: RealArray, larger_std: RealArray, end: RealArray | float, end_std: RealArray | float, share: Ratio
+) -> Flags:
+    """Return which values of larger swings differ from those of their end beyond chance, and by a share of these."""
+    chance = NORMAL_95 * np.hypot(larger_std, end_std)
+    return np.asarray(np.abs(larger - end) > np.maximum(chance, share * end))
 
 
 def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:

@@ -100,10 +100,10 @@ def of_a_wave(
     Free motion that forces build up looks like a wave too, but is none down to the noise. A whole record that is free
     from its first sample on does not swell, and close modes that beat rise more than once.
     """
-    if not questioned(found, settings) or _long_checked(found, stretch) or beats(found):
+    if not questioned(found, settings) or _long_checked(found, stretch):
         return False, False
     beyond = beyond_wave(whole, found)
-    wave = beyond < np.inf
+    wave = beyond < np.inf and not beats(found)
     return wave, wave and (not stretch.used or beyond <= 0)
 
 

@@ -109,11 +109,11 @@ def _over_all(numbers: Numbers) -> str:
     """Return the error of interpolation over all frequencies, for the channels whose motion is not mostly faster."""
     most, least = _number(numbers, "error"), float(cast("float", numbers.get("least", numbers["error"])))
     if not most > MOSTLY_FASTER:
-        return f"at most {_plain(100 * most)} % of the motion over all frequencies (rms, with noise)"
+        return f"at most {percent(most)} of the motion over all frequencies (rms, with noise)"
     if not least <= MOSTLY_FASTER:
         return "but most of the record is faster: noise, or motion that the stamps do not follow"
     return (
-        f"over all frequencies {_plain(100 * least)} % of the motion in {numbers['slowest']!r} (rms, with noise); most "
+        f"over all frequencies {percent(least)} of the motion in {numbers['slowest']!r} (rms, with noise); most "
         f"of some other channel is faster: noise, or motion that the stamps do not follow"
     )
 

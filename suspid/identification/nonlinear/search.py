@@ -113,7 +113,7 @@ def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Be
         record = record if alone is None else replace(record, theta=alone.drive.theta, amplitudes=alone.amplitudes)
     means = Means.of(record, found, linear)
     plain, _ = _linear_modes(means.record, most)
-    if plain is None or np.min(1 - plain.squares / np.sum(means.record.values**2, axis=1)) < EACH_EXPLAINED:
+    if plain is None or not np.all(_follows(means.record.values, plain.squares)):
         return None
     try:
         structure = means.structure(plain, most=most)
