@@ -12,6 +12,7 @@ from suspid.analysis.choice import doubts_of
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
 from suspid.decays.find_decays import _in_company, _ranked, find_decays
+from suspid.identification import Force, ForceKind
 from suspid.records import as_response
 from suspid.words import DecayDoubt, Level, RecordCheck, Remark
 
@@ -82,11 +83,17 @@ def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level:
     assert RecordCheck.NOT_REPEATED not in {check.remark.code for check in beside}
 
 
-@pytest.mark.parametrize(("loud", "level"), [(61.0, Level.DOUBTFUL), (2.0, Level.CARE)])
-def test_a_short_stretch_beside_more_than_noise_is_a_guess(decay: Decay, loud: float, level: Level) -> None:
+@pytest.mark.parametrize(
+    ("loud", "forces", "level"),
+    [(61.0, 0, Level.DOUBTFUL), (2.0, 0, Level.CARE), (2.0, 1, Level.DOUBTFUL), (1.0, 1, Level.CARE)],
+)
+def test_a_short_stretch_beside_more_than_noise_is_a_guess(
+    decay: Decay, loud: float, forces: int, level: Level
+) -> None:
     time = np.arange(200) / 100
     found = identify(as_response(time, (np.exp(-time) * np.sin(9 * time))[None], ["seat"]))
-    found = replace(found, loudness=np.full(len(found.modes), loud))
+    force = Force(kind=ForceKind.FRICTION, channel=0, other=None)
+    found = replace(found, loudness=np.full(len(found.modes), loud), forces=(force,) * forces)
     short = replace(decay, doubts=(Remark(DecayDoubt.FEW_CYCLES, {"cycles": 1.0}),))
     assert [check.level for check in doubts_of((short,), found, ())] == [level]
 

@@ -12,7 +12,7 @@ from suspid.analysis.fewer_channels import with_fewer_channels
 from suspid.analysis.used import Used
 from suspid.records import as_response, of_channels
 from suspid.signals import as_signal
-from suspid.words import Level, Note, RecordCheck
+from suspid.words import Check, Level, Note, RecordCheck, Remark
 
 RATE = 113.0
 TIME = np.arange(700) / RATE
@@ -130,6 +130,27 @@ def test_a_channel_beside_which_the_fit_to_others_is_far_closer_is_left_out(
 
     def of_one(part: control.TimeResponseData, _: Settings) -> Used:
         assert as_signal(part).channels == ("x",)
+        return Used(record=part, decays=(), used=(), notes=(), identification=alone)
+
+    before = Used(record=record, decays=(), used=(), notes=(), identification=both)
+    after = with_fewer_channels(record, before, Settings(), of_one)
+    assert as_signal(after.record).channels == kept
+
+
+@pytest.mark.parametrize(("loud", "kept"), [(33.0, ("x", "y")), (3.0, ("x",))])
+def test_what_fewer_channels_leave_is_no_more_than_noise(loud: float, kept: tuple[str, ...]) -> None:
+    """A mode that one channel shows, with 33 times the power of noise beside it, is no clearer than two of all."""
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, TIME.size))
+    slow, fast = np.exp(-0.3 * TIME) * np.cos(12 * TIME), np.exp(-0.5 * TIME) * np.cos(31 * TIME)
+    record = as_response(TIME, np.stack([slow + 0.2 * fast, slow - 0.3 * fast]) + noise, ["x", "y"])
+    both, alone = identify(record), identify(of_channels(record, ["x"]), modes=1)
+    alone = replace(alone, loudness=np.array([loud]))
+    # As one of few cycles is.
+    doubt = Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL)
+    vars(both)["verdict"] = replace(both.verdict, checks=(*both.verdict.checks, doubt))
+    assert alone.verdict.level is Level.CARE
+
+    def of_one(part: control.TimeResponseData, _: Settings) -> Used:
         return Used(record=part, decays=(), used=(), notes=(), identification=alone)
 
     before = Used(record=record, decays=(), used=(), notes=(), identification=both)

@@ -77,6 +77,15 @@ class TestTwoMasses:
         assert used.start > record.start
         assert [force.kind for force in found.identification.forces] == [ForceKind.FRICTION] * 2
 
+    # A fast mode of a hundredth of the motion beside friction; one that a part of the record, one sample later, hides.
+    @pytest.mark.parametrize("seed", [970065, pytest.param(970045, marks=pytest.mark.slow)])
+    def test_a_weak_mode_beside_friction_is_one(self, seed: int, tmp_path: Path) -> None:
+        record = rigs.release("friction", 2, seed=seed)
+        rigs.write(record, tmp_path / "release.csv")
+        outcome = rigs.judged(record, analyse(tmp_path / "release.csv"))
+        assert outcome.right
+        assert abs(outcome.zeta) < 0.15
+
     @pytest.mark.slow
     def test_no_motion_is_computed_beyond_the_nyquist_frequency(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

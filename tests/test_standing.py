@@ -44,10 +44,9 @@ def structure(theta: Sequence[complex], worth: Sequence[float], *, count: int = 
 
 
 class TestStands:
-    """Twenty penalties are needed (`refinement.WORTHWHILE`)."""
-
-    def test_a_mode_of_more_than_twenty_penalties(self) -> None:
-        assert stands(structure([-0.02 + 0.6j, -0.02 + 1.5j], [14, 28])).tolist() == [False, True]
+    def test_a_mode_whose_energy_is_above_its_penalty_where_it_leaves_white_noise(self) -> None:
+        assert stands(structure([-0.02 + 0.6j, -0.02 + 1.5j], [3, 28])).tolist() == [True, True]
+        assert stands(structure([-0.02 + 0.6j, -0.02 + 1.5j], [0.4, 28])).tolist() == [False, True]
 
     def test_not_what_goes_on(self) -> None:
         assert stands(structure([-0.02 + 0.6j, 1.5j], [500, 500])).tolist() == [True, False]
@@ -66,7 +65,7 @@ class TestStands:
         assert known == [False, True]
 
     def test_beside_excess_noise_only_what_is_worth_it_there(self) -> None:
-        """The noise near the mode has three times the power of white noise."""
+        """The noise near the mode has three times the power of white noise: 60 penalties (`WORTHWHILE`) are needed."""
         assert [stands(structure([-0.02 + 0.6j], [worth], hum=3.0))[0] for worth in (30, 200)] == [False, True]
 
 

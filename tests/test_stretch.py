@@ -1,16 +1,19 @@
 """Which stretch of a record is identified: a clear decay, or none."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
 from suspid import Level, Settings, analyse, free_decay
-from suspid.analysis.choice import holds
+from suspid.analysis.choice import explains, holds
 from suspid.analysis.past_clipping import past_clipping
 from suspid.decays import Decay
 from suspid.identification import by_likelihood, identify_linear
 from suspid.records import as_response, cut, late_start
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Note, Remark
@@ -143,6 +146,15 @@ class TestPolesOfTheWholeInAPart:
         record = self.record()
         assert len(identify_linear(record).modes) == 2
         assert not holds(identify_linear(record), cut(record, start=2.0))
+
+    def test_the_part_begins_before(self) -> None:
+        """The samples of both are compared, not none."""
+        record = self.record()
+        part, later = (identify_linear(cut(record, start=start)) for start in (0.0, 0.015))
+        assert explains(later, part)
+        left = as_signal(held(later, "residual"))
+        more = as_response(left.timepts, 1.5 * left.values, left.channels)
+        assert not explains(replace(later, residual=more), part)
 
     def test_the_part_is_of_another_frequency(self) -> None:
         """The fit to the whole lies between; the part alone tells the frequencies apart."""

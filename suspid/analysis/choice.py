@@ -58,7 +58,7 @@ PLAIN = Settings()
 # Doubts of what is elsewhere in the record.
 OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # A fit to a stretch so short is a guess where it leaves this multiple of the power of noise near a mode: what it leaves
-# has the size of what tells the damping.
+# has the size of what tells the damping. So is one with forces that leaves more than noise.
 LITTLE_SEEN, FAR_FROM_NOISE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT}), 10.0
 # Where each mode that was identified makes more cycles than this, until it ends or has died away, it is no guess.
 CYCLES_ENOUGH, DIED_AWAY = 4.0, 3.0
@@ -136,16 +136,22 @@ def holds(whole: Identification, part: control.TimeResponseData) -> bool:
 
 
 def _by_chance(whole: Identification, left: Signal, most: int) -> bool:
-    """Return whether the residual of a fit to a part is smaller than that of the whole by no more than chance."""
+    """Return whether the residual of a fit to a part is smaller than that of the whole by no more than chance.
+
+    The samples of both are compared: a part may begin in the hold before, of which the whole has nothing.
+    """
     all_left = as_signal(held(whole, "residual"))
     rows = [all_left.channels.index(name) for name in left.channels]
-    count = left.values.shape[1]
-    first = round((left.start - all_left.start) / left.step)
-    ours = np.sum(left.values**2, axis=1)
-    theirs = np.sum(all_left.values[rows, first : first + count] ** 2, axis=1)
-    together = lag_one(left.values) ** 2
+    late = round((all_left.start - left.start) / left.step)
+    ours = left.values[:, max(0, late) : max(0, late + all_left.values.shape[1])]
+    count = ours.shape[1]
+    theirs = all_left.values[rows, max(0, -late) : max(0, -late) + count]
+    if count < 2:
+        return False
+    squares = np.maximum([np.sum(each**2, axis=1) for each in (theirs, ours)], 1e-300)
+    together = lag_one(ours) ** 2
     free = count * (1 - together) / (1 + together)
-    ratio = float(np.sum(free * np.log(np.maximum(theirs, 1e-300) / np.maximum(ours, 1e-300))))
+    ratio = float(np.sum(free * np.log(squares[0] / squares[1])))
     unknowns = 2 * most + (2 * most + 1) * len(rows)
     return likely(ratio, unknowns)
 
@@ -167,7 +173,8 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     refuted, answered = (FIT, ANSWERED) if settled(found) and not bent else (frozenset(), frozenset())
     answered |= FIT if not bent and explained_by_forces(found) else frozenset()
     answered |= LITTLE_SEEN if _cycles(found) > CYCLES_ENOUGH else frozenset()
-    guessed = LITTLE_SEEN if np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE else frozenset()
+    loud = np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE or (bool(found.forces) and not settled(found))
+    guessed = LITTLE_SEEN if loud else frozenset()
     own = (
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),

@@ -71,7 +71,7 @@ def with_fewer_channels(
             continue
         level = level_of(again, fewer.used, fewer.decays)
         clearer = level > before if before <= Level.DOUBTFUL else level >= before and _far_closer(again, found)
-        if clearer:
+        if clearer and np.max(again.loudness, initial=0.0) < max(FAR_FROM_NOISE, np.max(found.loudness, initial=0.0)):
             out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)

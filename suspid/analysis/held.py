@@ -13,7 +13,7 @@ from suspid.identification import FEWEST_SAMPLES
 from suspid.levels import EXACT
 from suspid.records import of_channels
 from suspid.signals import Signal, as_signal
-from suspid.units import RealArray, Second
+from suspid.units import Flags, RealArray, Second
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -30,6 +30,9 @@ FEW_VALUES = 3
 # still for most of a record. A pulse turns once, one that goes both ways twice; a spline rings from sample to sample,
 # no slower than this many.
 LEAST_TURNS, SWING, RINGS_FOR = 3, 0.02, 3
+# A command makes others move for more than this many times the samples in which it changes. What turns back once, and
+# does not, is a motion that ends as soon as theirs.
+GOES_ON = 2
 # Words of names of what was asked for, not measured. Controllers that are switched off let it follow a sensor.
 COMMAND = re.compile(
     r"(?<![a-z])(command(ed)?|cmd|duty|pwm|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE
@@ -74,8 +77,7 @@ def held_from(record: control.TimeResponseData) -> tuple[tuple[str, ...], list[t
     if not names:
         return (), []
     values = signal.values[[signal.channels.index(name) for name in names]]
-    steps = np.abs(np.diff(values, axis=1))
-    first = 1 + np.flatnonzero(np.any(steps > EXACT * np.ptp(values, axis=1, keepdims=True), axis=0))
+    first = 1 + np.flatnonzero(np.any(_changes(values), axis=0))
     last = np.append(first[1:], values.shape[1]) - 1
     long = last - first >= FEWEST_SAMPLES
     times = signal.timepts
@@ -84,7 +86,7 @@ def held_from(record: control.TimeResponseData) -> tuple[tuple[str, ...], list[t
 
 def _held(signal: Signal) -> dict[str, Remark]:
     """Return the channels that are commands or forces beside others that move, and why."""
-    jumps = dict(zip(signal.channels, map(_jumps, signal.values), strict=True))
+    jumps = dict(zip(signal.channels, _jumps_of(signal.values), strict=True))
     blows = dict(zip(signal.channels, blows_of(signal.values).tolist(), strict=True))
     moving = [name for name, number in jumps.items() if number is None and not blows[name]]
     kept = [name for name in moving if not COMMAND.search(name)] or moving
@@ -115,11 +117,28 @@ def toggles(samples: RealArray) -> bool:
     return np.unique(samples[:100]).size <= FEW_VALUES and np.unique(samples).size <= FEW_VALUES
 
 
-def _jumps(samples: RealArray) -> int | None:
-    """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
+def _jumps_of(values: RealArray) -> list[int | None]:
+    """Return how often each channel (channel, sample) jumps between values that it holds; None if it moves otherwise.
+
+    Friction may stop masses within a cycle: then none moves for longer than one that jumps.
+    """
+    jumps = [_jumps(samples, LEAST_TURNS) for samples in values]
+    changes = np.sum(_changes(values), axis=1)
+    moving = max((int(number) for number, held in zip(changes, jumps, strict=True) if held is None), default=0)
+    ends = (held is not None and moving < GOES_ON * number for number, held in zip(changes, jumps, strict=True))
+    return [_jumps(samples, 1) if soon else held for samples, held, soon in zip(values, jumps, ends, strict=True)]
+
+
+def _changes(samples: RealArray) -> Flags:
+    """Return after which samples a channel changes, or each of several."""
+    return np.asarray(np.abs(np.diff(samples)) > EXACT * np.ptp(samples, axis=-1, keepdims=True))
+
+
+def _jumps(samples: RealArray, turns: int) -> int | None:
+    """Return how often a channel jumps between held values; None if it turns that often, or moves otherwise."""
     if samples.size < 4 * LONGEST_JUMP:
         return None
-    changes = np.flatnonzero(np.abs(np.diff(samples)) > EXACT * np.ptp(samples))
+    changes = np.flatnonzero(_changes(samples))
     if not changes.size:
         return None
     if toggles(samples):
@@ -131,10 +150,10 @@ def _jumps(samples: RealArray) -> int | None:
         return None
     parts = [samples[i : j + 2] for i, j in zip(changes[first], changes[last], strict=True)]
     least = SWING * float(np.ptp(samples))
-    return None if any(_swings(part, least) for part in parts) else first.size
+    return None if any(_turns(part, least) >= turns for part in parts) else first.size
 
 
-def _swings(samples: RealArray, least: float) -> bool:
-    """Return whether samples turn back several times by a size, not from sample to sample."""
+def _turns(samples: RealArray, least: float) -> int:
+    """Return how often samples turn back by a size, not from sample to sample."""
     turns = turns_of(samples, least)
-    return int(np.sum(np.diff(turns, prepend=-RINGS_FOR) >= RINGS_FOR)) >= LEAST_TURNS
+    return int(np.sum(np.diff(turns, prepend=-RINGS_FOR) >= RINGS_FOR))

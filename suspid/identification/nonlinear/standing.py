@@ -91,8 +91,8 @@ def _excess(fit: StructureFit | DrivenFit) -> RealArray:
 
 
 def _worthwhile(fit: StructureFit | DrivenFit, states: ComplexArray, left: RealArray) -> NDArray[np.bool_]:
-    """Return whether each pole stands out of the residual near it, (pole,)."""
-    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * left
+    """Return whether each pole stands out of the residual near it, (pole,): as in a linear fit where that is noise."""
+    needed = np.where(left > LOUD, WORTHWHILE * left, 1.0) * bic_penalty(len(fit.residual), fit.residual.size)
     return np.asarray(energies(fit, states) > needed)
 
 
