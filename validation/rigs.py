@@ -419,8 +419,8 @@ def report(*, seeds: int = SEEDS) -> str:
                 f"to 10 % of the first spring force; dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
                 f"are those of records with modes to compare (of two masses: with both), the larger of the modes, "
                 f"against means over the cycles that the result is of: from turn to turn (one mass) or of the "
-                f"equivalent linear system (two masses). Intervals are counted by mode. Friction may stop masses within "
-                f"some cycles: the first {seeds} that move for {MOVES_FOR} s or more have rows of their own.",
+                f"equivalent linear system (two masses). Intervals are counted by mode. Friction may stop masses "
+                f"within some cycles: the first {seeds} that move for {MOVES_FOR} s or more have rows of their own.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
         )
