@@ -92,3 +92,14 @@ def test_one_burst_after_the_other_does_not_beat() -> None:
     noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
     found = identify(as_response(time, (sum(motion) + noise)[None], ["left"]))
     assert beats(found) == 0
+
+
+@pytest.mark.parametrize(("third", "size", "times"), [(0.0, 1e-3, 1), (0.3, 1e-3, 0), (0.0, 0.15, 0)])
+def test_few_modes_explain_nearly_all_of_what_beats(third: float, size: float, times: int) -> None:
+    """A beat is seen once: three modes follow any motion that sinks once, and so do two that leave 2 % of it."""
+    time = np.arange(0.0, 32.0, 0.01)
+    motion = np.exp(-0.01 * time) * (np.cos(9 * time) + np.cos(9.2 * time) + third * np.cos(20 * time))
+    noise = size * np.random.default_rng(1).standard_normal(time.size)
+    found = identify(as_response(time, (motion + noise)[None], ["left"]))
+    assert len(found.modes) == 2 + (third > 0)
+    assert beats(found) == times

@@ -1,5 +1,6 @@
 """A decay beside which the record moves far more: it is said."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from suspid import ModalSet, Settings, analyse, find_decays, identify
-from suspid.analysis.far_larger import larger_elsewhere, only_the_end, shows_the_same
+from suspid.analysis.far_larger import (
+    _larger_are_unlike,
+    _unlike,
+    larger_elsewhere,
+    only_the_end,
+    shows_the_same,
+)
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
@@ -160,3 +167,33 @@ def test_a_linear_end_of_swings_of_another_frequency_is_only_the_end(bend: float
     whole, part = identify(record), identify(cut(record, start=27.2))
     assert part.verdict.level is Level.SOUND
     assert only_the_end(whole, part) is end
+
+
+def test_unlike_is_beyond_chance_and_by_a_share() -> None:
+    """Of 10.0 +- .01: by half a hundredth, by 5 % where 1.96 sd are 5.9 % and where they are 2 %."""
+    unlike = _unlike(np.array([10.05, 10.5, 10.5]), np.array([0.001, 0.3, 0.1]), 10.0, 0.01, 0.01)
+    assert unlike.tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize(("drag", "unlike"), [(0.05, True), (0.0, False)])
+def test_larger_swings_with_other_damping_are_unlike(drag: float, unlike: bool) -> None:
+    """Of the same frequency: drag doubles the damping of the first swings, ``4 drag a / 3 pi`` beside .006."""
+    wn, zeta, time = 10.2, 0.006, np.arange(0.0, 37.0, 0.02)
+    motion = solve_ivp(
+        lambda _, x: [x[1], -(wn**2) * x[0] - (2 * zeta * wn + drag * abs(x[1]) / wn) * x[1]],
+        (0.0, 37.0), [0.0, wn * (10.0 if drag else 1.0)], t_eval=time, rtol=1e-9, atol=1e-11,
+    ).y[:1]  # fmt: skip
+    record = as_response(time, motion + 0.01 * np.random.default_rng(1).standard_normal(motion.shape), ["mass"])
+    assert _larger_are_unlike(identify(record), identify(cut(record, start=20.0)).modes) is unlike
+
+
+def test_one_decay_about_a_time_shows_all_of_the_modes() -> None:
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(TIME.size)
+    late = TIME - 5
+    motion = np.where(late >= 0, np.exp(-0.6 * late) * np.cos(20.5 * late), 0.0)
+    (decay,) = find_decays(as_response(TIME, (motion + noise)[None], ["y"]))
+    other = replace(decay, wn=np.array([7.0]))
+    one, two = (ModalSet(poles=np.array(poles)) for poles in ([-0.3 + 20.5j], [-0.3 + 20.5j, -0.4 + 33.0j]))
+    assert shows_the_same([other, decay], 6.0, one)
+    assert not shows_the_same([decay], 6.0, two)
+    assert not shows_the_same([other], 6.0, one)
