@@ -15,7 +15,7 @@ from suspid.identification import ForceKind
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear import choice, motion, search, structure
 from suspid.identification.nonlinear.feedback import Record
-from suspid.records import as_response
+from suspid.records import as_response, cut
 from suspid.words import DecayDoubt, Reason, Remark
 from validation import rigs
 
@@ -198,6 +198,19 @@ def test_a_few_cycles_of_another_mode_give_way_to_a_longer_decay(
     assert len(found.modes) == len(end)
     assert with_few_cycles(found).tolist() == [each < 3 for each in end]
     assert _shows_more(longer, found) is preferred
+
+
+def test_few_cycles_before_a_dead_stop_give_way_to_forces_that_explain_all() -> None:
+    """Their 9.09 Hz are none of 3.20 and 10.07 Hz, although they are better known than those of three cycles."""
+    release = rigs.release("friction", 2, seed=980_016)
+    time = np.arange(release.position.shape[1]) * (release.stamps[-1] / (release.position.shape[1] - 1))
+    record = as_response(time, release.position, ["x1", "x2"])
+    longer = identify(cut(record, start=release.start + 0.005, stop=release.stop))
+    found = identify(cut(record, start=0.95, stop=1.235))
+    assert longer.modes.wn == pytest.approx(release.rig.wn, rel=0.002)
+    assert with_few_cycles(found).tolist() == [True]
+    assert _shows_more(longer, found)
+    assert not _shows_more(replace(longer, forces=()), found)
 
 
 def test_a_start_that_is_earlier_has_not_the_few_cycles_of_the_end() -> None:

@@ -194,16 +194,16 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     same = apart < np.maximum(SAME_POLE * modes.wn, unknown)
     if few[:1].any() and not with_few_cycles(longer).any() and np.all(same | few):
         return True
+    # Few cycles before a dead stop look like other modes.
+    if few.all() and _with_fewer(longer, found):
+        return True
     kept = bool(np.all(same)) or explains(longer, found)
     more = _known(longer) - _known(found)
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
 
 
 def _with_fewer(longer: Identification, found: Identification) -> bool:
-    """Return whether forces explain a longer decay down to its noise, and its part as well as more poles do.
-
-    Where friction soon stops all masses, few cycles leave either doubtful.
-    """
+    """Return whether forces explain a longer decay down to its noise, and its part as well as more poles do."""
     return bool(longer.forces) and settled(longer) and explains(longer, found)
 
 
