@@ -16,6 +16,7 @@ from suspid.errors import RecordError
 from suspid.stamps import Indices
 from suspid.units import RealArray
 from suspid.words import Defect
+from validation import rigs
 
 K = np.arange(400)
 SWING: RealArray = 0.5 * np.sin(0.37 * K) + 0.001 * np.cos(1.9 * K)
@@ -214,6 +215,16 @@ class TestChannels:
         for values, dropout in ((silent, False), (lost, True)):
             found = inspect("channel 1", np.arange(values.size) / 44100, np.round(values * 2**15) / 2**15)
             assert (Defect.DROPOUT in [finding.kind for finding in found.findings]) == dropout
+
+    def test_a_mass_that_is_pulled_held_and_let_go_is_no_dropout(self) -> None:
+        """It leaves the hold by 14 steps and goes on by 47 and 73; a frozen value is left by what it missed."""
+        release = rigs.release("friction", 2, seed=970_095)
+        values = release.position[0] / release.step
+        assert inspect("x1", release.stamps, values).findings == ()
+        moved = np.flatnonzero(np.abs(np.diff(values)) > 13)[0] + 1
+        frozen = np.concatenate([values[:moved], values[moved + 3 :]])
+        found = inspect("x1", release.stamps[3:], frozen).findings
+        assert [finding.kind for finding in found] == [Defect.DROPOUT]
 
     @pytest.mark.parametrize("length", [300, 23])
     def test_the_base_of_pulses_lasts_for_some_samples_by_chance(self, length: int) -> None:

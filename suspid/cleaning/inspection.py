@@ -158,6 +158,9 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     # A motion that begins from rest, as one sound after silence does, leaves zero by a step as small as its others.
     onset = np.array([_pace(samples, int(stops[k]), int(stops[k]), before=False) for k in inner]).reshape(-1)
     silent = (samples[starts[inner]] == 0) & (released <= 4 * onset)
+    # One that begins from a hold goes on faster than it leaves it; behind a frozen value it goes on as it did.
+    faster = np.array([np.max(np.abs(np.diff(samples[stops[k] : stops[k] + 3])), initial=0.0) for k in inner])
+    held &= released > faster.reshape(-1)
     held[held] = ~_last_by_chance(samples, starts, lengths, inner[held])
     bad = inner[(zero | (held & ~extreme)) & ~silent]
     if not bad.size:
