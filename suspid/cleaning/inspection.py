@@ -158,9 +158,7 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     # A motion that begins from rest, as one sound after silence does, leaves zero by a step as small as its others.
     onset = np.array([_pace(samples, int(stops[k]), int(stops[k]), before=False) for k in inner]).reshape(-1)
     silent = (samples[starts[inner]] == 0) & (released <= 4 * onset)
-    # One that begins from a hold goes on faster than it leaves it; behind a frozen value it goes on as it did.
-    faster = np.array([np.max(np.abs(np.diff(samples[stops[k] : stops[k] + 3])), initial=0.0) for k in inner])
-    held &= released > faster.reshape(-1)
+    held &= ~np.array([_sets_off(samples[stops[k] - 1 : stops[k] + 3]) for k in inner], bool)
     held[held] = ~_last_by_chance(samples, starts, lengths, inner[held])
     bad = inner[(zero | (held & ~extreme)) & ~silent]
     if not bad.size:
@@ -210,6 +208,15 @@ def _converter_step(steps: RealArray) -> float:
     often = float(np.median(steps[near]))
     ticks = steps[(steps > 0.5 * often) & (steps < 10.5 * often)] / often
     return often if np.mean(np.abs(ticks - np.round(ticks)) < 0.05) > MULTIPLES else least
+
+
+def _sets_off(samples: RealArray) -> bool:
+    """Return whether samples from the last one of a hold on are of a motion that begins there: it gets ever faster.
+
+    A value that froze is left by all that it missed, and the motion goes on as it did before.
+    """
+    steps = np.diff(samples)
+    return len(steps) == 3 and bool(np.all(np.diff(np.sign(steps[0]) * steps) > 0))
 
 
 def _pace(samples: RealArray, start: int, stop: int, *, before: bool = True) -> float:
