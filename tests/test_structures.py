@@ -21,7 +21,7 @@ from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, m
 from suspid.identification.nonlinear.feedback import Record, nonlinear_part
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of, with_friction
-from suspid.identification.nonlinear.linearised import modes_of_structure
+from suspid.identification.nonlinear.linearised import mean_poles, modes_of_structure
 from suspid.identification.nonlinear.motion import Structures, motion_of
 from suspid.identification.nonlinear.structure import StructureFit, structure_of
 from suspid.identification.nonlinear.structure import evaluated as structure_evaluated
@@ -67,6 +67,22 @@ def test_a_pole_next_to_the_real_axis_has_no_amplitude_without_bound() -> None:
             nuisances=np.zeros(1),
         )  # fmt: skip
         assert (evaluate(values, drive, noise) is not None) is found
+
+
+def test_means_over_cycles_do_not_jump_where_one_more_has_room() -> None:
+    """Of 2.4 to 2.6 cycles under friction; the means over two and over three side by side differ by a fifth."""
+    of = structure(RIG, HELD, 1 / 250)
+    values = np.asarray((of.shapes[0].T @ motion_of(of, 200).states[0]).real, float)
+    record = Record(
+        values=values + 1e-6 * np.random.default_rng(1).standard_normal(values.shape),
+        noise=WhiteNoise(least=np.full(2, 1e-14)), theta=of.theta[0], amplitudes=of.shapes[0], nuisances=np.zeros(1),
+    )  # fmt: skip
+    fit, cycle = structure_evaluated(record, of, 0), 2 * np.pi / float(np.min(of.theta.imag))
+    ends = [round(cycles * cycle) for cycles in (2.4, 2.45, 2.5, 2.55, 2.6)]
+    poles = np.array([mean_poles(fit, of, fit.motion, slice(0, end))[0] for end in ends])
+    zeta = -poles.real / np.abs(poles)
+    assert np.all(zeta[:, 0] > 2 * -of.theta[0, 0].real / np.abs(of.theta[0, 0]))
+    assert np.max(np.abs(np.diff(zeta, axis=0) / zeta[1:])) < 0.1
 
 
 class TestSwingsOfWhatIsShown:

@@ -279,6 +279,10 @@ class Outcome:
     moves: Second = 0.0  # how long the record moves
 
 
+# Cycles over which means are taken begin this often in each: means do not jump where one more has room.
+PER_CYCLE = 8
+
+
 def equivalent_modes(
     rig: Rig, moved: Motion, start: Second, stop: Second, *, seen: float
 ) -> tuple[RealArray, RealArray]:
@@ -286,7 +290,8 @@ def equivalent_modes(
 
     In each cycle friction is replaced by dampers, and what is cubic in springs by springs, as it is for two tones that
     keep no phase with each other (describing functions); what a bilinear damper has beyond its mean does no work over a
-    cycle. Friction changes no natural frequency. A mode counts where it moves a mass by more than ``seen`` [m].
+    cycle. Cycles begin `PER_CYCLE` times in each. Friction changes no natural frequency. A mode counts where it moves a
+    mass by more than ``seen`` [m].
     """
     mass, count = np.diag(rig.mass), len(rig.mass)
     stiff = rig.links.T @ np.diag(rig.stiffness) @ rig.links
@@ -299,9 +304,11 @@ def equivalent_modes(
     q, p = shapes.T @ mass @ moved.position, shapes.T @ mass @ moved.velocity
     sizes = np.sqrt(q**2 + (p / wn[:, None]) ** 2)
     inside = np.flatnonzero((moved.time >= start) & (moved.time <= stop))
-    cycles = max(1, round((moved.time[inside[-1]] - moved.time[inside[0]]) * float(rig.wn[0]) / (2 * np.pi)))
+    cycle = 2 * np.pi / float(rig.wn[0])
+    of_cycle = min(len(inside), round(cycle / float(moved.time[1] - moved.time[0])))
+    parts = np.lib.stride_tricks.sliding_window_view(inside, of_cycle)
     found, weights = [], []
-    for part in np.array_split(inside, cycles):
+    for part in parts[np.linspace(0, len(parts) - 1, 1 + PER_CYCLE * len(parts) // of_cycle).astype(int)]:
         size = np.sqrt(np.mean(sizes[:, part] ** 2, axis=1))
         travel, speed = np.abs(rig.links @ shapes) * size, np.abs(shapes) * size * wn
         springs = np.array([1.5 * np.sum(travel**2, axis=1) - 0.75 * travel[:, k] ** 2 for k in range(count)]).T

@@ -56,19 +56,28 @@ def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window
     """Return the poles of the equivalent linear systems over a window, (structure, pole).
 
     Forces that follow a speed change no natural frequency. Natural frequency and damping ratio are the means over the
-    cycles of the slowest mode, of those in which a mode is seen above the noise of the fit.
+    cycles of the slowest mode, from every half cycle on, of those in which a mode is seen above the noise of the fit.
     """
-    first, last, _ = window.indices(motion.states.shape[-1])
-    cycle = max(4, round(2 * np.pi / float(np.min(fit.theta.imag))))
-    edges = np.linspace(first, last, max(1, round((last - first) / cycle)) + 1).astype(int)
-    seen = np.array([_seen(fit, slice(a, b)) for a, b in pairwise(edges)])
-    poles = np.array([poles_within(structures, motion, slice(a, b + 1)) for a, b in pairwise(edges)])
+    windows = _cycles(fit, window)
+    seen = np.array([_seen(fit, cycle) for cycle in windows])
+    poles = np.array([poles_within(structures, motion, cycle) for cycle in windows])
     weights = (seen | ~np.any(seen, axis=0))[:, None, :].astype(float)
     zeta = np.sum(weights * (-poles.real / np.abs(poles)), axis=0) / np.sum(weights, axis=0)
     wn = np.abs(structures.theta)
     if structures.kind not in OF_SPEED:
         wn = np.sum(weights * np.abs(poles), axis=0) / np.sum(weights, axis=0)
     return np.asarray(wn * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
+
+
+def _cycles(fit: StructureFit, window: slice) -> list[slice]:
+    """Return the cycles of the slowest mode within a window, from about every half of one on: all of a shorter one.
+
+    Whole numbers of them, side by side, would change all means where one more has room.
+    """
+    first, last, _ = window.indices(fit.motion.states.shape[-1])
+    cycle = min(max(4, round(2 * np.pi / float(np.min(fit.theta.imag)))), last - first)
+    starts = np.linspace(first, last - cycle, 1 + -(-2 * (last - first - cycle) // cycle))
+    return [slice(start, start + cycle + 1) for start in starts.astype(int).tolist()]
 
 
 def _seen(fit: StructureFit, window: slice) -> NDArray[np.bool_]:
