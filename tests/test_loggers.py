@@ -341,3 +341,28 @@ class TestLimitsOfWhatMeasuresNothing:
         path = tmp_path / "a.csv"
         path.write_text("t,x,y\n" + "".join(f"{k},{k}e-320,{np.cos(k)}\n" for k in range(60)), encoding="utf-8")
         assert read_recording(path).names == ("x", "y")
+
+
+@pytest.mark.parametrize(
+    ("names", "is_clock"), [("C1,C2", True), ("Var1,Var2", True), ("p1,p2", False), ("C2,C3", False)]
+)
+def test_names_that_number_columns_are_none(tmp_path: Path, names: str, *, is_clock: bool) -> None:
+    """As a spreadsheet, R or MATLAB names columns; two masses may be p1 and p2, and two sensors C2 and C3."""
+    path = table(tmp_path / "a.csv", [f"{t:.3f}" for t in TIMES], [f"{y:.4f}" for y in SEAT], head=f"{names}\n")
+    if not is_clock:
+        with pytest.raises(RecordError, match="increases like a time"):
+            read_recording(path)
+        return
+    (channel,) = read_recording(path).channels
+    np.testing.assert_allclose(channel.timepts, TIMES, atol=1e-9)
+
+
+@pytest.mark.parametrize("message", ["INFO  [logger] started: /fs/log.csv", "INFO [logger]\nstill on"])
+def test_names_above_a_message_of_the_logger(tmp_path: Path, message: str) -> None:
+    path = table(tmp_path / "a.csv", MILLIS, SAMPLES, head=f"timestamp_ms,seat\n{message}\n")
+    assert [channel.name for channel in read_recording(path).channels] == ["seat"]
+
+
+def test_names_above_another_row_are_of_that(tmp_path: Path) -> None:
+    path = table(tmp_path / "a.csv", MILLIS, SAMPLES, head="timestamp_ms,force\n100,ohm,3\n")
+    assert [channel.name for channel in read_recording(path).channels] != ["force"]

@@ -41,6 +41,8 @@ TIME_NAMES |= {"timeelapsed", "timesincestart", "uptime"} | (
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
 RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
+# Of these, names that nothing else has as its last word.
+LONG_RATE_NAMES = {"samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "samplefreq", "samplingfreq"}
 # How many hertz make a unit of a rate.
 HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
 STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
@@ -60,6 +62,8 @@ COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", 
 COUNTERS |= {"frame", "frames", "framenumber", "frameno", "idx", "id", "point", "record", "scan", "rownumber", "rowid"}
 # Names of columns that have none.
 UNNAMED_COLUMN = re.compile(r"column \d+")
+# Names that say no more: the numbers of columns, from 1 on, as spreadsheets, R and MATLAB write them.
+NUMBERED_COLUMN = re.compile(r"(?:c|v|var|col|column|field)[ _]?(\d+)", re.IGNORECASE)
 # The index of a data frame, as pandas reads it again.
 UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
 # Characters of a name or of a line that patterns are tried on, whose time grows with their square. Longer ones are no
@@ -281,12 +285,15 @@ def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
     --------
     >>> stated_rate("Fs", 500.0), stated_rate("dt_ms", 2.0), stated_rate("mass", 80.0)
     (500.0, 500.0, None)
+    >>> stated_rate("VCAP_SAMPLERATE", 5120.0), stated_rate("resamplerate", 2.0)
+    (5120.0, None)
     """
     stem, own = split_unit(name)
     unit = unit.lower() or own
     if not (math.isfinite(value) and value > 0):
         return None
-    if stem in RATE_NAMES and unit in HERTZ:
+    words = re.split(r"[\s_.-]+", name.lower())
+    if (stem in RATE_NAMES or words[-1] in LONG_RATE_NAMES) and unit in HERTZ:
         return value * HERTZ[unit]
     if stem in STEP_NAMES and (not unit or unit in PER_SECOND):
         return PER_SECOND[unit or "s"] / value

@@ -23,8 +23,8 @@ from suspid.io.clock_numbers import (
 )
 from suspid.io.names import (
     FREQUENCY_UNITS,
+    NUMBERED_COLUMN,
     PER_SECOND,
-    UNNAMED_COLUMN,
     bracketed_unit,
     counts_rows,
     is_abscissa,
@@ -220,10 +220,12 @@ def _numbered_times(table: Table, named: Sequence[str]) -> list[str]:
 def _unnamed_clock(table: Table, free: Sequence[str]) -> list[str]:
     """Return the one column of columns without names that runs as a clock: small loggers write the time last.
 
-    Other numbers that rise evenly may be a displacement that is driven: it does not jitter, and nothing swings beside
-    it. The first of two that rises unevenly, or in whole milliseconds, is one if the other swings.
+    They may be numbered. Other numbers that rise evenly may be a displacement that is driven: it does not jitter, and
+    nothing swings beside it. The first of two that rises unevenly, or in whole milliseconds, is one if the other
+    swings.
     """
-    if not all(UNNAMED_COLUMN.fullmatch(name) for name in table.sizes) or len(free) < 2:
+    numbers_of = [NUMBERED_COLUMN.fullmatch(name) for name in table.sizes]
+    if len(free) < 2 or [match and int(match[1]) for match in numbers_of] != list(range(1, len(numbers_of) + 1)):
         return []
     columns = dict(zip(free, table.columns(list(free)), strict=True))
     if len(table.sizes) == 2 == len(free):

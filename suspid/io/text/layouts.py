@@ -149,7 +149,13 @@ def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | N
     comments = [k for k in filled if columns.dialect.is_comment(above[k])]
     plain_names = any(columns.may_be_named_by(above[k]) for k in filled if k not in comments)
     filled = [k for k in filled if k not in comments or _may_name(above[k], columns, as_wide=plain_names)]
-    rows = list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
+    rows = _naming(above, filled, columns)
+    if not rows:
+        # A message of the logger may stand between the names and the data.
+        wide = [k for k in filled if len(columns.dialect.cells(above[k])) == len(columns.kinds)]
+        between = [above[k] for k in filled if wide and k > wide[-1]]
+        if between and all(len(columns.dialect.cells(line)) == 1 for line in between):
+            rows = _naming(above, wide[-1:], columns)
     if not rows:
         if filled:
             _refuse_misfit(above[filled[-1]], filled[-1] + 1, columns)
@@ -160,6 +166,11 @@ def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | N
     if not units or len(rows) == 1:
         return rows[-1], None
     return rows[units[-1] - 1] if units[-1] else rows[1], rows[units[-1]]
+
+
+def _naming(above: Sequence[str], filled: Sequence[int], columns: Columns) -> list[int]:
+    """Return the last of some lines that may name columns, without one between that may not."""
+    return list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
 
 
 def _may_name(comment: str, columns: Columns, *, as_wide: bool) -> bool:
