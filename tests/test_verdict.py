@@ -233,6 +233,18 @@ class TestStructure:
         assert check.remark.numbers["hertz"] == pytest.approx(31.0, abs=0.2)
         assert not said(self.with_residual(found, noise), ModeCheck.RESIDUAL_LINE)
 
+    @pytest.mark.parametrize(("zeta", "dies"), [(0.0, False), (2e-4, False), (1e-3, True)])
+    def test_a_line_that_dies_away_is_a_mode_that_was_not_found(
+        self, found: Identification, *, zeta: float, dies: bool
+    ) -> None:
+        """To a fifth over the record; one that falls to three quarters is as steady as hum is."""
+        omega, time = 2 * np.pi * 31.0, STEP * np.arange(2000)
+        left = np.exp(-zeta * omega * time) * np.sin(omega * time)
+        noise = 0.1 * np.random.default_rng(3).standard_normal(2000)
+        code, other = ModeCheck.RESIDUAL_MODE, ModeCheck.RESIDUAL_LINE
+        shown = self.with_residual(found, left + noise)
+        assert [bool(said(shown, each)) for each in (code, other)] == [dies, not dies]
+
     def test_noise_shows_no_line(self) -> None:
         """At a level of 1e-6, 400 records of noise show none."""
         rng = np.random.default_rng(8)

@@ -61,12 +61,31 @@ def is_even(values: RealArray, omega: float) -> bool:
     >>> is_even(hum, 0.3), is_even(np.exp(-np.arange(2000) / 1200) * hum, 0.3)
     (True, False)
     """
+    sizes = _sizes(values, omega)
+    return bool(np.max(sizes) < EVEN_TO * np.min(sizes))
+
+
+def dies_away(values: RealArray, omega: float) -> bool:
+    """Return whether motion at an angle per sample is smaller in the second half of a record, and smaller at its end.
+
+    Examples
+    --------
+    >>> hum = np.cos(0.3 * np.arange(2000))[None]
+    >>> dies_away(hum, 0.3), dies_away(np.exp(-np.arange(2000) / 1200) * hum, 0.3)
+    (False, True)
+    """
+    sizes = _sizes(values, omega)
+    early, late = sizes[: EVEN_PARTS // 2], sizes[EVEN_PARTS // 2 :]
+    return bool(np.max(early) > EVEN_TO * sizes[-1] and np.min(early) > np.max(late))
+
+
+def _sizes(values: RealArray, omega: float) -> RealArray:
+    """Return the size of a line in each part of a record, in the channel that shows it most."""
     each = values.shape[1] // EVEN_PARTS
     parts = values[:, : EVEN_PARTS * each].reshape(len(values), EVEN_PARTS, each)
     window = np.hanning(each + 2)[1:-1] * np.exp(-1j * omega * np.arange(each))
     sizes = np.abs((parts - parts.mean(axis=2, keepdims=True)) @ window)
-    most = sizes[int(np.argmax(sizes.sum(axis=1)))]
-    return bool(np.max(most) < EVEN_TO * np.min(most))
+    return np.asarray(sizes[int(np.argmax(sizes.sum(axis=1)))])
 
 
 def _ratio(row: RealArray, k: int) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from suspid.files import printable
 from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
 from suspid.identification.harmonics import LOW_ORDER
-from suspid.identification.lines import clear_line, is_even
+from suspid.identification.lines import clear_line, dies_away, is_even
 from suspid.identification.mode_checks import (
     check_amplitudes,
     check_cycles,
@@ -249,7 +249,8 @@ def _structure(found: Identification, residual: Signal, finest: RealArray) -> It
         yield check_of(ModeCheck.RESIDUAL_COLOURED, Level.CARE, where)
     line = clear_line(residual.values[rough], residual.step) if np.any(rough) else None
     if line is not None and not _left_by_a_mode(found, line):
-        yield check_of(ModeCheck.RESIDUAL_LINE, Level.CARE, {"hertz": line})
+        dies = dies_away(residual.values[rough], 2 * np.pi * line * residual.step)
+        yield check_of(ModeCheck.RESIDUAL_MODE if dies else ModeCheck.RESIDUAL_LINE, Level.CARE, {"hertz": line})
 
 
 def _left_by_a_mode(found: Identification, line: Hertz) -> bool:

@@ -249,6 +249,10 @@ class ModeCheck(Code):
         "residual line",
         "A steady line at {hertz:.4g} Hz remains in the residual: rotating parts, hum, or an excitation still acting.",
     )
+    RESIDUAL_MODE = (
+        "residual mode",
+        "Motion at {hertz:.4g} Hz that dies away remains in the residual: a mode that the fit does not contain.",
+    )
     LITTLE_EXPLAINED = (
         "little explained",
         sentence(

@@ -181,6 +181,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.OUT_OF_PHASE: NextStep.CHANNELS,
     ModeCheck.MULTIPLE: NextStep.CHANNELS,
     ModeCheck.RESIDUAL_LINE: NextStep.QUIET,
+    ModeCheck.RESIDUAL_MODE: NextStep.WHICH_PART,
     ModeCheck.STEADY_TONES: NextStep.QUIET,
     ModeCheck.DAMPING_UNKNOWN: NextStep.REPEAT,
     ModeCheck.KNOWN_ROUGHLY: NextStep.REPEAT,
