@@ -11,13 +11,15 @@ from scipy.signal import lfilter
 from scipy.special import ellipk
 
 from suspid import Identification, Settings, analyse, as_record, identify
-from suspid.analysis.largest import _as_damped_later, _largest, of_largest
+from suspid.analysis.choice import damping_known
+from suspid.analysis.largest import _as_damped_later, _largest, _plain, of_largest
 from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
 from suspid.words import Check, Level, Note, RecordCheck, Remark
+from validation import rigs
 
 RATE = 1000
 
@@ -404,3 +406,14 @@ def test_a_phone_that_swings_and_is_caught(seed: int, tmp_path: Path) -> None:
     near = np.abs(found.modes.wn / (2 * np.pi * 0.465) - 1) < 0.01
     assert near.sum() == 1
     assert found.modes.zeta[near] == pytest.approx([0.006], rel=0.15)
+
+
+def test_friction_that_explains_all_may_leave_the_damping_open() -> None:
+    """A start whose interval reaches zero has both modes; a later one that is known better had lost one of them."""
+    release = rigs.release("friction", 2, seed=990_004)
+    time = np.arange(release.position.shape[1]) * (release.stamps[-1] / (release.position.shape[1] - 1))
+    found = identify(cut(as_response(time, release.position, ["x1", "x2"]), start=0.7626, stop=1.5797))
+    assert found.modes.wn == pytest.approx(release.rig.wn, rel=0.002)
+    assert not damping_known(found)
+    assert _plain(found, Level.CARE)
+    assert not _plain(replace(found, forces=()), Level.CARE)

@@ -583,3 +583,15 @@ def test_a_mode_at_twice_or_three_times_another_calls_for_care(hertz: float, zet
     checks = said(found.verdict, ModeCheck.MULTIPLE)
     assert [check.remark.numbers["multiple"] for check in checks] == ([round(hertz)] if named else [])
     assert all(check.level is Level.CARE for check in checks)
+
+
+@pytest.mark.parametrize(("rates", "level"), [((3.0,), Level.CARE), ((2.0, 9.0), Level.DOUBTFUL)])
+def test_several_real_poles_alone_are_doubtful(rates: tuple[float, ...], level: Level) -> None:
+    """Two exponentials follow any slow fall, as that of a circuit whose resistor is not quite one."""
+    time = np.arange(600) / 100
+    falls = np.sum(np.exp(-np.outer(rates, time)), axis=0)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = identify(as_response(time, (falls + noise)[None], ["voltage"]))
+    assert len(found.modes) == len(rates)
+    (check,) = [check for check in found.verdict.checks if check.remark.code is ModeCheck.REAL_ONLY]
+    assert check.level is level

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.between_knocks import between_knocks, smoothest
-from suspid.analysis.choice import damping_known, level_of, tried
+from suspid.analysis.choice import damping_known, level_of, settled, tried
 from suspid.analysis.far_larger import hardly_any, larger_elsewhere
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
@@ -188,7 +188,8 @@ def _plain(found: Identification, level: Level) -> bool:
     if level is Level.DOUBTFUL:
         # One swing; others beside it may be what forces leave.
         return found.verdict.level is level and len(found.modes) == 1
-    return damping_known(found)
+    # Friction leaves the damping of the last swings open, also where it explains all.
+    return damping_known(found) or (bool(found.forces) and settled(found))
 
 
 def _lasts(found: Identification) -> bool:

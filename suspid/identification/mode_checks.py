@@ -216,7 +216,9 @@ def check_cycles(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.FEW_CYCLES, Level.CARE, {"mode": k + 1, "cycles": float(cycles[k])})
     if not np.any(poles.imag != 0):
         # What the residual contradicts is a drift.
-        yield check_of(ModeCheck.REAL_ONLY, Level.DOUBTFUL if np.any(found.loudness > 1) else Level.CARE)
+        # Two and more follow any slow fall, as that of one whose rate changes.
+        guessed = len(found.modes) > 1 or bool(np.any(found.loudness > 1))
+        yield check_of(ModeCheck.REAL_ONLY, Level.DOUBTFUL if guessed else Level.CARE)
 
 
 def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
