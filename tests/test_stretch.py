@@ -156,6 +156,21 @@ class TestPolesOfTheWholeInAPart:
         more = as_response(left.timepts, 1.5 * left.values, left.channels)
         assert not explains(replace(later, residual=more), part)
 
+    def test_what_is_left_before_a_part_does_not_tell(self) -> None:
+        record = self.record()
+        whole, part = (identify_linear(cut(record, start=start)) for start in (0.0, 0.1))
+        left = as_signal(held(whole, "residual"))
+        for before, explained in ((True, True), (False, False)):
+            louder = np.where((left.timepts < 0.1) == before, 3.0, 1.0) * left.values
+            again = replace(whole, residual=as_response(left.timepts, louder, left.channels))
+            assert explains(again, part) is explained
+
+    @pytest.mark.parametrize(("stop", "explained"), [(4.0, True), (2.0, False)])
+    def test_most_of_the_part_is_compared(self, stop: float, *, explained: bool) -> None:
+        record = self.record()
+        begun, part = identify_linear(cut(record, start=0.0, stop=stop)), identify_linear(cut(record, start=0.1))
+        assert explains(begun, part) is explained
+
     def test_the_part_is_of_another_frequency(self) -> None:
         """The fit to the whole lies between; the part alone tells the frequencies apart."""
         record = self.record(changed=1.005)

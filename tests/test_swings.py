@@ -106,15 +106,29 @@ class TestHeld:
         values = np.round(400 * rubbed(10.0, swings=8, before=2.0, after=3.0))
         assert self.rates(values) == ["other", "asked"]
 
-    def test_nor_is_one_that_turns_once_where_no_other_moves_for_longer(self) -> None:
-        """A jump of a command that overshoots has others move on."""
-        jump = 1 - np.exp(-np.arange(32) / 8) * np.cos(2 * np.pi * np.arange(32) / 30)
-        values = np.concatenate([np.zeros(150), np.round(500 * jump), np.full(300, np.round(500 * jump[-1]))])
+    @pytest.mark.parametrize(
+        ("lasts", "back", "beside", "kept"),
+        [
+            (32, 0, False, True),
+            (58, 0, False, True),
+            (70, 0, False, False),
+            (32, 0.9, False, False),
+            (32, 0, True, True),
+        ],
+    )
+    def test_nor_is_one_that_turns_once_where_no_other_moves_for_longer(
+        self, lasts: int, back: float, beside: bool, kept: bool
+    ) -> None:
+        """The other moves for less than twice as long, and it does not come back; a switch does not tell."""
+        shape = 1 - np.exp(-np.arange(33) / 8) * np.cos(2 * np.pi * np.arange(33) / 30)
+        jump = np.round(500 * (shape - back * np.linspace(0, 1, 33) * shape[-1]))
+        values = np.concatenate([np.zeros(150), jump, np.full(300, jump[-1])])
         swings = 100 * np.sin(2 * np.pi * np.arange(400) / 10) * np.exp(-np.arange(400) / 400)
-        for lasts, kept in ((32, ["other", "asked"]), (120, ["other"])):
-            other = np.concatenate([np.zeros(150), np.round(swings[:lasts]), np.zeros(values.size - 150 - lasts)])
-            record = as_response(clock(values.size), np.stack([other, values]), ["other", "asked"])
-            assert list(without_held(record)[0].output_labels) == kept
+        other = np.concatenate([np.zeros(150), np.round(swings[:lasts]), np.zeros(values.size - 150 - lasts)])
+        switch = np.arange(values.size) // 20 % 2 * 5.0
+        names = ["other", "asked", "switch"][: 2 + beside]
+        record = as_response(clock(values.size), np.stack([other, values, switch])[: 2 + beside], names)
+        assert ("asked" in without_held(record)[0].output_labels) is kept
 
     @pytest.mark.parametrize("pulse", [[1.0], [1.0, 0.0], [1.0, -1.0, 0.0], [0.5, 1.0, -1.0, -0.5, 0.0]])
     def test_steps_and_pulses_are(self, pulse: list[float]) -> None:

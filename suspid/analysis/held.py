@@ -30,9 +30,9 @@ FEW_VALUES = 3
 # still for most of a record. A pulse turns once, one that goes both ways twice; a spline rings from sample to sample,
 # no slower than this many.
 LEAST_TURNS, SWING, RINGS_FOR = 3, 0.02, 3
-# A command makes others move for more than this many times the samples in which it changes. What turns back once, and
-# does not, is a motion that ends as soon as theirs.
-GOES_ON = 2
+# A command makes others move for more than this many times as long as it changes. What turns back once and ends at
+# another level, by this share of its range, is a motion that ends as soon as theirs: a force comes back.
+GOES_ON, ELSEWHERE = 2, 0.25
 # Words of names of what was asked for, not measured. Controllers that are switched off let it follow a sensor.
 COMMAND = re.compile(
     r"(?<![a-z])(command(ed)?|cmd|duty|pwm|set[ _-]?point|target|desired|demand(ed)?)(?![a-z])", re.IGNORECASE
@@ -122,11 +122,13 @@ def _jumps_of(values: RealArray) -> list[int | None]:
 
     Friction may stop masses within a cycle: then none moves for longer than one that jumps.
     """
-    jumps = [_jumps(samples, LEAST_TURNS) for samples in values]
-    changes = np.sum(_changes(values), axis=1)
-    moving = max((int(number) for number, held in zip(changes, jumps, strict=True) if held is None), default=0)
-    ends = (held is not None and moving < GOES_ON * number for number, held in zip(changes, jumps, strict=True))
-    return [_jumps(samples, 1) if soon else held for samples, held, soon in zip(values, jumps, ends, strict=True)]
+    jumps = [_jumps(samples) for samples in values]
+    lasts = [sum(last - first + 1 for first, last in _runs(samples)) for samples in values]
+    moving = max((each for each, held in zip(lasts, jumps, strict=True) if held is None), default=0)
+    return [
+        None if held and moving < GOES_ON * each and _rests_elsewhere(samples) else held
+        for samples, held, each in zip(values, jumps, lasts, strict=True)
+    ]
 
 
 def _changes(samples: RealArray) -> Flags:
@@ -134,26 +136,39 @@ def _changes(samples: RealArray) -> Flags:
     return np.asarray(np.abs(np.diff(samples)) > EXACT * np.ptp(samples, axis=-1, keepdims=True))
 
 
-def _jumps(samples: RealArray, turns: int) -> int | None:
-    """Return how often a channel jumps between held values; None if it turns that often, or moves otherwise."""
-    if samples.size < 4 * LONGEST_JUMP:
-        return None
+def _runs(samples: RealArray) -> list[tuple[int, int]]:
+    """Return after which samples a channel begins and ends to change; a run may pause for no longer than a jump."""
     changes = np.flatnonzero(_changes(samples))
     if not changes.size:
-        return None
-    if toggles(samples):
-        return int(changes.size)
+        return []
     first = np.flatnonzero(np.diff(changes, prepend=-LONGEST_JUMP - 2) > LONGEST_JUMP)
     last = np.append(first[1:], changes.size) - 1
-    longest = int(np.max(changes[last] - changes[first])) + 1
-    if first.size > MOST_JUMPS or longest > LONGEST_JUMP:
+    return list(zip(changes[first].tolist(), changes[last].tolist(), strict=True))
+
+
+def _jumps(samples: RealArray) -> int | None:
+    """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
+    runs = _runs(samples) if samples.size >= 4 * LONGEST_JUMP else []
+    if not runs:
         return None
-    parts = [samples[i : j + 2] for i, j in zip(changes[first], changes[last], strict=True)]
+    if toggles(samples):
+        return int(np.sum(_changes(samples)))
+    if len(runs) > MOST_JUMPS or max(last - first for first, last in runs) >= LONGEST_JUMP:
+        return None
+    return None if any(turns >= LEAST_TURNS for turns in _turns(samples)) else len(runs)
+
+
+def _rests_elsewhere(samples: RealArray) -> bool:
+    """Return whether a channel turns back once within a jump, and then holds another value than before."""
+    if toggles(samples):
+        return False
+    apart = [abs(float(samples[last + 1] - samples[first])) for first, last in _runs(samples)]
+    least = ELSEWHERE * float(np.ptp(samples))
+    return any(turns and each > least for turns, each in zip(_turns(samples), apart, strict=True))
+
+
+def _turns(samples: RealArray) -> list[int]:
+    """Return how often a channel turns back by a size in each run of changes, not from sample to sample."""
     least = SWING * float(np.ptp(samples))
-    return None if any(_turns(part, least) >= turns for part in parts) else first.size
-
-
-def _turns(samples: RealArray, least: float) -> int:
-    """Return how often samples turn back by a size, not from sample to sample."""
-    turns = turns_of(samples, least)
-    return int(np.sum(np.diff(turns, prepend=-RINGS_FOR) >= RINGS_FOR))
+    turns = [turns_of(samples[first : last + 2], least) for first, last in _runs(samples)]
+    return [int(np.sum(np.diff(each, prepend=-RINGS_FOR) >= RINGS_FOR)) for each in turns]
