@@ -123,6 +123,8 @@ def _jumps_of(values: RealArray) -> list[int | None]:
     Friction may stop masses within a cycle: then none moves for longer than one that jumps.
     """
     jumps = [_jumps(samples) for samples in values]
+    if not any(jumps):
+        return jumps
     lasts = [sum(last - first + 1 for first, last in _runs(samples)) for samples in values]
     moving = max((each for each, held in zip(lasts, jumps, strict=True) if held is None), default=0)
     return [
