@@ -11,6 +11,7 @@ from suspid import RecordError, Settings, analyse, identify
 from suspid.analysis.fewer_channels import with_fewer_channels
 from suspid.analysis.used import Used
 from suspid.records import as_response, of_channels
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.words import Check, Level, Note, RecordCheck, Remark
 
@@ -137,14 +138,29 @@ def test_a_channel_beside_which_the_fit_to_others_is_far_closer_is_left_out(
     assert as_signal(after.record).channels == kept
 
 
-@pytest.mark.parametrize(("loud", "kept"), [(33.0, ("x", "y")), (3.0, ("x",))])
-def test_what_fewer_channels_leave_is_no_more_than_noise(loud: float, kept: tuple[str, ...]) -> None:
-    """A mode that one channel shows, with 33 times the power of noise beside it, is no clearer than two of all."""
+@pytest.mark.parametrize(
+    ("loud", "of_all", "explained", "kept"),
+    [
+        (33.0, 3.0, 0.999, ("x", "y")),
+        (3.0, 3.0, 0.999, ("x",)),
+        (33.0, 40.0, 0.999, ("x",)),
+        (33.0, 3.0, 0.5, ("x",)),
+    ],
+)
+def test_what_fewer_channels_leave_is_no_more_than_noise(
+    loud: float, of_all: float, explained: float, kept: tuple[str, ...]
+) -> None:
+    """A mode of one channel, with 33 times the power of noise beside it, is no clearer than two that explain both."""
     noise = 0.01 * np.random.default_rng(1).standard_normal((2, TIME.size))
     slow, fast = np.exp(-0.3 * TIME) * np.cos(12 * TIME), np.exp(-0.5 * TIME) * np.cos(31 * TIME)
     record = as_response(TIME, np.stack([slow + 0.2 * fast, slow - 0.3 * fast]) + noise, ["x", "y"])
     both, alone = identify(record), identify(of_channels(record, ["x"]), modes=1)
-    alone = replace(alone, loudness=np.array([loud]))
+    alone, noisy = replace(alone, loudness=np.array([loud])), as_signal(held(both, "residual"))
+    # What is left of the second channel sets the share that is explained of it.
+    more = np.sqrt((1 - explained) * np.mean(noisy.values[1] ** 2 + as_signal(record).values[1] ** 2))
+    left = noisy.values * np.array([[1.0], [more / np.std(noisy.values[1])]])
+    both = replace(both, loudness=np.array([of_all, of_all]), residual=as_response(TIME, left, ["x", "y"]))
+    assert both.explained[1] == pytest.approx(explained, abs=0.05)
     # As one of few cycles is.
     doubt = Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL)
     vars(both)["verdict"] = replace(both.verdict, checks=(*both.verdict.checks, doubt))

@@ -71,12 +71,18 @@ def with_fewer_channels(
             continue
         level = level_of(again, fewer.used, fewer.decays)
         clearer = level > before if before <= Level.DOUBTFUL else level >= before and _far_closer(again, found)
-        if clearer and np.max(again.loudness, initial=0.0) < max(FAR_FROM_NOISE, np.max(found.loudness, initial=0.0)):
+        if clearer and not _louder(again, found):
             out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
             )
     return used
+
+
+def _louder(fewer: Identification, found: Identification) -> bool:
+    """Return whether a fit to fewer channels leaves far more than noise, where that to all explains each of them."""
+    ours, theirs = (float(np.max(each.loudness, initial=0.0)) for each in (fewer, found))
+    return ours > max(FAR_FROM_NOISE, theirs) and bool(np.min(found.explained) >= 1 - DRIVEN**2)
 
 
 def _far_closer(fewer: Identification, found: Identification) -> bool:
