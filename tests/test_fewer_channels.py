@@ -141,14 +141,14 @@ def test_a_channel_beside_which_the_fit_to_others_is_far_closer_is_left_out(
 @pytest.mark.parametrize(
     ("loud", "of_all", "explained", "kept"),
     [
-        (33.0, 3.0, 0.9995, ("x", "y")),
-        (3.0, 3.0, 0.9995, ("x",)),
-        (33.0, 40.0, 0.9995, ("x",)),
-        (33.0, 3.0, 0.5, ("x",)),
+        (33.0, 3.0, 0.9995, 2),
+        (3.0, 3.0, 0.9995, 1),
+        (33.0, 40.0, 0.9995, 1),
+        (33.0, 3.0, 0.5, 1),
     ],
 )
 def test_what_fewer_channels_leave_is_no_more_than_noise(
-    loud: float, of_all: float, explained: float, kept: tuple[str, ...]
+    loud: float, of_all: float, explained: float, kept: int
 ) -> None:
     """A mode of one channel, with 33 times the power of noise beside it, is no clearer than two that explain both."""
     noise = 0.01 * np.random.default_rng(1).standard_normal((2, TIME.size))
@@ -171,4 +171,4 @@ def test_what_fewer_channels_leave_is_no_more_than_noise(
 
     before = Used(record=record, decays=(), used=(), notes=(), identification=both)
     after = with_fewer_channels(record, before, Settings(), of_one)
-    assert as_signal(after.record).channels == kept
+    assert len(as_signal(after.record).channels) == kept
