@@ -9,6 +9,7 @@ from bounds import modal_bound
 from numpy.typing import NDArray
 
 from suspid import IdentificationError, InputError, RecordError, Suspension, eigenmodes, free_decay, identify
+from suspid.identification import covariance
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.records import as_response
 from validation import cars
@@ -205,3 +206,16 @@ class TestSeveralRecords:
             identify_repeats([first], [(0.0, 1.0)])
         with pytest.raises(InputError, match="no decay given"):
             identify_repeats(first)
+
+
+@pytest.mark.parametrize("size", [1.0, 0.2])
+def test_steps_that_lead_away_from_common_shapes_are_not_taken(size: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Decays that share no mode had shapes of 1e121: slopes that are too small make each step miss by more."""
+    rng = np.random.default_rng(1)
+    amplitudes = np.array([[1.0, 0.5], [0.3, 0.2]]) * np.exp(0.1 * rng.standard_normal((3, 2, 2))) + 0j
+    exact = covariance._slopes
+    monkeypatch.setattr(covariance, "_slopes", lambda *given: size * exact(*given))
+    variances = np.diag(10.0 ** rng.uniform(-4, 0, 24))
+    shapes, _ = covariance._common_shapes(amplitudes, variances)
+    assert np.max(np.abs(shapes)) == pytest.approx(1.0)
+    assert shapes[1] == pytest.approx([0.3, 0.4], rel=0.3)

@@ -224,7 +224,8 @@ def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[Com
     q = np.stack([amplitudes[:, strongest[k], k] for k in range(wanted)], axis=1)
     phi = np.einsum("rk,rck->ck", q.conj(), amplitudes) / np.sum(np.abs(q) ** 2, axis=0)
     scales = 2 * decays * wanted
-    # Gauss-Newton converges quadratically from there: 8 steps reach rounding.
+    # Gauss-Newton converges quadratically from there: 8 steps reach rounding. Decays that share no mode may lead away.
+    left = data - _products(q, phi)
     for _ in range(8):
         slopes = _slopes(q, phi, strongest)
         used = np.flatnonzero(np.any(slopes != 0, axis=0))
@@ -232,11 +233,20 @@ def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[Com
         unit = 1 / np.linalg.norm(white, axis=0)
         solve = np.zeros((slopes.shape[1], data.size))
         solve[used] = unit[:, None] * np.linalg.pinv(white * unit) @ whiten
-        model = q[:, None, :] * phi
-        change = solve @ (data - np.stack([model.real, model.imag], axis=-1).ravel())
-        q = q + change[:scales].view(complex).reshape(decays, wanted)
-        phi = phi + change[scales:].view(complex).reshape(wanted, channels).T
+        change = solve @ left
+        trial_q = q + change[:scales].view(complex).reshape(decays, wanted)
+        trial_phi = phi + change[scales:].view(complex).reshape(wanted, channels).T
+        trial_left = data - _products(trial_q, trial_phi)
+        if not np.linalg.norm(whiten @ trial_left) <= np.linalg.norm(whiten @ left):
+            break
+        q, phi, left = trial_q, trial_phi, trial_left
     return phi, solve[scales:]
+
+
+def _products(q: ComplexArray, phi: ComplexArray) -> RealArray:
+    """Return the amplitudes of scales q (decay, mode) and shapes phi (channel, mode), real and imaginary parts."""
+    model = q[:, None, :] * phi
+    return np.stack([model.real, model.imag], axis=-1).ravel()
 
 
 def _slopes(q: ComplexArray, phi: ComplexArray, strongest: NDArray[np.intp]) -> RealArray:
