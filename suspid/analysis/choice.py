@@ -56,7 +56,7 @@ STRUCTURE = frozenset(
 FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
 PLAIN = Settings()
 # A fit that begins later than another, or ends earlier, is compared with it where it has this share of its samples.
-SHARED = 0.5
+PART_SHARED = 0.5
 # Doubts of what is elsewhere in the record.
 OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 # A fit to a stretch so short is a guess where it leaves this multiple of the power of noise near a mode: what it leaves
@@ -148,7 +148,7 @@ def _by_chance(whole: Identification, left: Signal, most: int) -> bool:
     ours = left.values[:, max(0, late) : max(0, late + all_left.values.shape[1])]
     count = ours.shape[1]
     theirs = all_left.values[rows, max(0, -late) : max(0, -late) + count]
-    if count < SHARED * left.values.shape[1]:
+    if count < PART_SHARED * left.values.shape[1]:
         return False
     squares = np.maximum([np.sum(each**2, axis=1) for each in (theirs, ours)], 1e-300)
     together = lag_one(ours) ** 2
