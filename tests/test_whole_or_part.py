@@ -80,3 +80,18 @@ def test_a_surer_result_has_the_same_modes_and_is_not_doubtful() -> None:
     assert not _surer(other, doubtful)
     assert not _surer(None, doubtful)
     assert not _surer(sound, None)
+
+
+@pytest.mark.parametrize(("start", "level"), [(None, Level.SOUND), (0.0, Level.DOUBTFUL)])
+def test_an_end_alone_does_not_say_where_the_decay_begins(start: float | None, level: Level) -> None:
+    """A pendulum is pulled, let go at 5 s, and lost at last; from the first sample on, poles follow the pull too."""
+    t = np.arange(5000) / 100
+    pull = np.where(t < 2, 0.0, 0.5 - 0.5 * np.cos(np.pi * (t - 2) / 3))
+    swing = np.where(t < 5, pull, np.exp(-0.02 * (t - 5)) * np.cos(3.3 * (t - 5)))
+    values = np.where(t < 45, swing + 2e-3 * np.random.default_rng(1).standard_normal(t.size), -1.3)
+    found = analyse(as_record(values, timepts=t), settings=Settings(start=start, stop=44.0))
+    assert found.verdict.level is level
+    assert (Note.SOUGHT_WITHIN in {note.code for note in found.notes}) is (start is None)
+    if start is None:
+        assert found.modes.wn == pytest.approx([3.3], rel=1e-3)
+        assert found.modes.zeta == pytest.approx([0.02 / 3.3], rel=0.02)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
-from suspid.analysis.choice import identified
+from suspid.analysis.choice import identified, level_of
 from suspid.analysis.commanded import after_commands
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
@@ -40,7 +40,7 @@ from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.threads import in_one_thread
 from suspid.wording import Argument
-from suspid.words import Note, Remark
+from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -125,12 +125,17 @@ def analyse(
         record = held(opened.cleaned, "record")
         identification, repeats, stretch = _found(record, settings, begin, of_car=car is not None)
         part = part_asked_for(record, settings)
-        if part is not None and settings.decay == "auto" and not len(identification.modes):
+        # Who names the end alone has not said where the decay begins.
+        open_start = settings.start is None and identification.verdict.level <= Level.DOUBTFUL
+        if part is not None and settings.decay == "auto" and (open_start or not len(identification.modes)):
             # What is refused there, as a channel that stands still from its release on, leaves what was found.
             with contextlib.suppress(SuspidError):
                 free = replace(settings, start=None, stop=None)
-                identification, repeats, stretch = _found(part, free, lambda _: None, of_car=car is not None)
-                stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
+                within = _found(part, free, lambda _: None, of_car=car is not None)
+                level = level_of(within[0], within[2].used, within[2].decays)
+                if not len(identification.modes) or level > Level.DOUBTFUL:
+                    identification, repeats, stretch = within
+                    stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settings.decay == "auto" and part is None:
         notes += larger_elsewhere(record, stretch)

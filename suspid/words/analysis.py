@@ -69,7 +69,7 @@ class Note(Code):
     WHOLE_RECORD = "whole record", _stands_out
     SOUGHT_WITHIN = (
         "sought within",
-        "no mode is found from the first sample of the part that was asked for on; a decay is sought within it",
+        "no mode is beyond doubt from the first sample of the part that was asked for on; a decay is sought within it",
     )
     OUTSIDE = (
         "outside",
