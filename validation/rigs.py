@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -40,6 +40,8 @@ KINDS = ("friction", "bilinear", "cubic")
 MOVES_FOR = 0.5
 # Samples of the exact motion in a period of the fastest mode: a sum over them is an integral to 1e-4.
 FINE = 60
+# Cycles over which means are taken begin this often in each: means do not jump where one more has room.
+PER_CYCLE = 8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -279,10 +281,6 @@ class Outcome:
     moves: Second = 0.0  # how long the record moves
 
 
-# Cycles over which means are taken begin this often in each: means do not jump where one more has room.
-PER_CYCLE = 8
-
-
 def equivalent_modes(
     rig: Rig, moved: Motion, start: Second, stop: Second, *, seen: float
 ) -> tuple[RealArray, RealArray]:
@@ -401,18 +399,13 @@ def report(*, seeds: int = SEEDS) -> str:
     with ProcessPoolExecutor(max_workers=2) as pool:
         for masses in (1, 2):
             for kind in KINDS:
-
-                def of_seeds(first: int, masses: int = masses, kind: str = kind) -> list[Outcome]:
-                    order = range(first, first + seeds)
-                    return list(pool.map(outcome, [kind] * seeds, [masses] * seeds, order, chunksize=5))
-
-                found = of_seeds(FIRST_SEED)
+                found = _outcomes(pool, kind, masses, FIRST_SEED, seeds)
                 rows.append([f"{masses}, {kind}", str(seeds), *_shares(found)])
                 if kind == "friction":
                     first, long = FIRST_SEED, _moving(found)
                     while len(long) < seeds:
                         first += seeds
-                        long += _moving(of_seeds(first))
+                        long += _moving(_outcomes(pool, kind, masses, first, seeds))
                     rows.append([f"{masses}, {kind}, {MOVES_FOR} s or more", str(seeds), *_shares(long[:seeds])])
     headers = [
         "masses, kind", "records", "right number of modes", "wn within 1 %", "zeta within 15 %",
@@ -433,6 +426,12 @@ def report(*, seeds: int = SEEDS) -> str:
         )
         + "\n"
     )
+
+
+def _outcomes(pool: Executor, kind: str, masses: int, first: int, seeds: int) -> list[Outcome]:
+    """Return the outcomes of as many seeds from a first one on."""
+    order = range(first, first + seeds)
+    return list(pool.map(outcome, [kind] * seeds, [masses] * seeds, order, chunksize=5))
 
 
 def _moving(found: Sequence[Outcome]) -> list[Outcome]:

@@ -125,17 +125,15 @@ def analyse(
         record = held(opened.cleaned, "record")
         identification, repeats, stretch = _found(record, settings, begin, of_car=car is not None)
         part = part_asked_for(record, settings)
-        # Who names the end alone has not said where the decay begins.
-        open_start = settings.start is None and identification.verdict.level <= Level.DOUBTFUL
-        if part is not None and settings.decay == "auto" and (open_start or not len(identification.modes)):
+        if part is not None and settings.decay == "auto" and _asks_for_more(identification, settings):
             # What is refused there, as a channel that stands still from its release on, leaves what was found.
             with contextlib.suppress(SuspidError):
                 free = replace(settings, start=None, stop=None)
-                within = _found(part, free, lambda _: None, of_car=car is not None)
-                level = level_of(within[0], within[2].used, within[2].decays)
-                if not len(identification.modes) or level > Level.DOUBTFUL:
-                    identification, repeats, stretch = within
-                    stretch = replace(stretch, notes=(Remark(Note.SOUGHT_WITHIN), *stretch.notes))
+                within, joint, decay = _found(part, free, lambda _: None, of_car=car is not None)
+                clear = level_of(within, decay.used, decay.decays) > Level.DOUBTFUL
+                if clear or not len(identification.modes):
+                    identification, repeats = within, joint
+                    stretch = replace(decay, notes=(Remark(Note.SOUGHT_WITHIN), *decay.notes))
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settings.decay == "auto" and part is None:
         notes += larger_elsewhere(record, stretch)
@@ -239,6 +237,14 @@ def _check_types(car: object, settings: object) -> None:
         raise InputError(f"settings={settings!r:.80} must be Settings, such as Settings(modes=1)")
     if car is not None and not isinstance(car, Suspension):
         raise InputError(Argument("car", f"{car!r:.80}"), " must be a Suspension; read_car reads one from a file")
+
+
+def _asks_for_more(found: Identification, settings: Settings) -> bool:
+    """Return whether a part that was asked for may hold a decay that begins later: no mode is found from its start on.
+
+    Who names the end alone has not said where the decay begins: then a doubtful result does not tell, either.
+    """
+    return not len(found.modes) or (settings.start is None and found.verdict.level <= Level.DOUBTFUL)
 
 
 def _found(

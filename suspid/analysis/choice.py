@@ -101,6 +101,11 @@ def settled(found: Identification) -> bool:
     return bool(len(found.modes)) and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
 
 
+def settled_by_forces(found: Identification) -> bool:
+    """Return whether forces that are not linear explain a record down to its noise."""
+    return bool(found.forces) and settled(found)
+
+
 def damping_known(found: Identification) -> bool:
     """Return whether no damping ratio has an interval that reaches zero."""
     return not any(check.remark.code is ModeCheck.DAMPING_UNKNOWN for check in found.verdict.checks)
@@ -172,10 +177,11 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     decay = used[0]
     # A background that excites the mode bends a decay as forces do, and of many stretches some look so by chance.
     bent = bool(found.forces) and any(doubt.code in OF_ELSEWHERE for doubt in decay.doubts)
-    refuted, answered = (FIT, ANSWERED) if settled(found) and not bent else (frozenset(), frozenset())
+    noise_alone = settled(found)
+    refuted, answered = (FIT, ANSWERED) if noise_alone and not bent else (frozenset(), frozenset())
     answered |= FIT if not bent and explained_by_forces(found) else frozenset()
     answered |= LITTLE_SEEN if _cycles(found) > CYCLES_ENOUGH else frozenset()
-    loud = np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE or (bool(found.forces) and not settled(found))
+    loud = np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE or (bool(found.forces) and not noise_alone)
     guessed = LITTLE_SEEN if loud else frozenset()
     own = (
         Check(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
     import control
+
+# After which samples the changes of a channel begin and end, for each run of them.
+Runs: TypeAlias = list[tuple[int, int]]
 
 # A channel is held if it changes in this many places at most, none of them longer than this many samples: a spline
 # through a jump rings for about as many. A motion changes for longer, and one of a few steps of its resolution tells
@@ -122,14 +125,13 @@ def _jumps_of(values: RealArray) -> list[int | None]:
 
     Friction may stop masses within a cycle: then none moves for longer than one that jumps.
     """
-    jumps = [_jumps(samples) for samples in values]
-    if not any(jumps):
-        return jumps
-    lasts = [sum(last - first + 1 for first, last in _runs(samples)) for samples in values]
+    runs = [_runs(samples) for samples in values]
+    jumps = list(map(_jumps, values, runs))
+    lasts = [sum(last - first + 1 for first, last in each) for each in runs]
     moving = max((each for each, held in zip(lasts, jumps, strict=True) if held is None), default=0)
     return [
-        None if held and moving < GOES_ON * each and _rests_elsewhere(samples) else held
-        for samples, held, each in zip(values, jumps, lasts, strict=True)
+        None if held and moving < GOES_ON * last and _rests_elsewhere(samples, each) else held
+        for samples, each, held, last in zip(values, runs, jumps, lasts, strict=True)
     ]
 
 
@@ -138,7 +140,7 @@ def _changes(samples: RealArray) -> Flags:
     return np.asarray(np.abs(np.diff(samples)) > EXACT * np.ptp(samples, axis=-1, keepdims=True))
 
 
-def _runs(samples: RealArray) -> list[tuple[int, int]]:
+def _runs(samples: RealArray) -> Runs:
     """Return after which samples a channel begins and ends to change; a run may pause for no longer than a jump."""
     changes = np.flatnonzero(_changes(samples))
     if not changes.size:
@@ -148,29 +150,28 @@ def _runs(samples: RealArray) -> list[tuple[int, int]]:
     return list(zip(changes[first].tolist(), changes[last].tolist(), strict=True))
 
 
-def _jumps(samples: RealArray) -> int | None:
+def _jumps(samples: RealArray, runs: Runs) -> int | None:
     """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
-    runs = _runs(samples) if samples.size >= 4 * LONGEST_JUMP else []
-    if not runs:
+    if samples.size < 4 * LONGEST_JUMP or not runs:
         return None
     if toggles(samples):
         return int(np.sum(_changes(samples)))
     if len(runs) > MOST_JUMPS or max(last - first for first, last in runs) >= LONGEST_JUMP:
         return None
-    return None if any(turns >= LEAST_TURNS for turns in _turns(samples)) else len(runs)
+    return None if any(turns >= LEAST_TURNS for turns in _turns(samples, runs)) else len(runs)
 
 
-def _rests_elsewhere(samples: RealArray) -> bool:
+def _rests_elsewhere(samples: RealArray, runs: Runs) -> bool:
     """Return whether a channel turns back once within a jump, and then holds another value than before."""
     if toggles(samples):
         return False
-    apart = [abs(float(samples[last + 1] - samples[first])) for first, last in _runs(samples)]
+    apart = [abs(float(samples[last + 1] - samples[first])) for first, last in runs]
     least = ELSEWHERE * float(np.ptp(samples))
-    return any(turns and each > least for turns, each in zip(_turns(samples), apart, strict=True))
+    return any(turns and each > least for turns, each in zip(_turns(samples, runs), apart, strict=True))
 
 
-def _turns(samples: RealArray) -> list[int]:
+def _turns(samples: RealArray, runs: Runs) -> list[int]:
     """Return how often a channel turns back by a size in each run of changes, not from sample to sample."""
     least = SWING * float(np.ptp(samples))
-    turns = [turns_of(samples[first : last + 2], least) for first, last in _runs(samples)]
+    turns = [turns_of(samples[first : last + 2], least) for first, last in runs]
     return [int(np.sum(np.diff(each, prepend=-RINGS_FOR) >= RINGS_FOR)) for each in turns]

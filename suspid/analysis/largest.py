@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.between_knocks import between_knocks, smoothest
-from suspid.analysis.choice import damping_known, level_of, settled, tried
+from suspid.analysis.choice import damping_known, level_of, settled_by_forces, tried
 from suspid.analysis.far_larger import hardly_any, larger_elsewhere
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
@@ -189,7 +189,7 @@ def _plain(found: Identification, level: Level) -> bool:
         # One swing; others beside it may be what forces leave.
         return found.verdict.level is level and len(found.modes) == 1
     # Friction leaves the damping of the last swings open, also where it explains all.
-    return damping_known(found) or (bool(found.forces) and settled(found))
+    return damping_known(found) or settled_by_forces(found)
 
 
 def _lasts(found: Identification) -> bool:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import explained_by_forces, explains, settled, tried, with_few_cycles
+from suspid.analysis.choice import explained_by_forces, explains, settled, settled_by_forces, tried, with_few_cycles
 from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.settings import Settings
@@ -204,7 +204,7 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
 
 def _with_fewer(longer: Identification, found: Identification) -> bool:
     """Return whether forces explain a longer decay down to its noise, and its part as well as more poles do."""
-    return bool(longer.forces) and settled(longer) and explains(longer, found)
+    return settled_by_forces(longer) and explains(longer, found)
 
 
 def _shows_all(longer: Identification, used: Decay) -> bool:

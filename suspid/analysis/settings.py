@@ -83,7 +83,8 @@ class Settings:
     dbc : str or path, optional
         Database that decodes the raw CAN frames of an MDF file.
     start, stop : float, optional
-        First and last time to use [s]. Given, a decay is searched for only where none begins with that part.
+        First and last time to use [s]. From a first one on, a decay is searched for only where none begins there; a
+        last one alone does not say where it begins.
     decay : {"auto", "whole", "all"} or int
         Which decay of the recording to use: the best one where the largest motion does not come first ("auto"), the
         whole record, all decays jointly, or the one of this rank.

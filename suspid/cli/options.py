@@ -84,7 +84,9 @@ STRETCH = (
     click.option(
         "--from", "start", type=Finite("s"), metavar="SECONDS", help="First time to use; of a decay, its start."
     ),
-    click.option("--to", "stop", type=Finite("s"), metavar="SECONDS", help="Last time to use."),
+    click.option(
+        "--to", "stop", type=Finite("s"), metavar="SECONDS", help="Last time to use; alone, a decay may begin later."
+    ),
     click.option(
         "--decay",
         "which",

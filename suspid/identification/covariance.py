@@ -226,6 +226,7 @@ def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[Com
     scales = 2 * decays * wanted
     # Gauss-Newton converges quadratically from there: 8 steps reach rounding. Decays that share no mode may lead away.
     left = data - _products(q, phi)
+    cost = np.linalg.norm(whiten @ left)
     for _ in range(8):
         slopes = _slopes(q, phi, strongest)
         used = np.flatnonzero(np.any(slopes != 0, axis=0))
@@ -237,9 +238,10 @@ def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[Com
         trial_q = q + change[:scales].view(complex).reshape(decays, wanted)
         trial_phi = phi + change[scales:].view(complex).reshape(wanted, channels).T
         trial_left = data - _products(trial_q, trial_phi)
-        if not np.linalg.norm(whiten @ trial_left) <= np.linalg.norm(whiten @ left):
+        trial_cost = np.linalg.norm(whiten @ trial_left)
+        if not trial_cost <= cost:
             break
-        q, phi, left = trial_q, trial_phi, trial_left
+        q, phi, left, cost = trial_q, trial_phi, trial_left, trial_cost
     return phi, solve[scales:]
 
 

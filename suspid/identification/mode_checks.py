@@ -215,8 +215,7 @@ def check_cycles(found: Identification) -> Iterator[Check]:
     for k in np.flatnonzero(few).tolist():
         yield check_of(ModeCheck.FEW_CYCLES, Level.CARE, {"mode": k + 1, "cycles": float(cycles[k])})
     if not np.any(poles.imag != 0):
-        # What the residual contradicts is a drift.
-        # Two and more follow any slow fall, as that of one whose rate changes.
+        # What the residual contradicts is a drift; two and more follow any slow fall, as of one whose rate changes.
         guessed = len(found.modes) > 1 or bool(np.any(found.loudness > 1))
         yield check_of(ModeCheck.REAL_ONLY, Level.DOUBTFUL if guessed else Level.CARE)
 
