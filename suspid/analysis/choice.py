@@ -15,10 +15,10 @@ from suspid.decays import (
     DRIVEN,
     FEWEST_EARLY,
     FIT,
-    GRAVE,
     TRIAL_PARTS,
     Decay,
     in_common,
+    is_grave,
     not_far_weaker,
     unexplained,
 )
@@ -186,7 +186,7 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     own = (
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),
-            Level.DOUBTFUL if doubt.code in (GRAVE - refuted) | guessed else Level.CARE,
+            Level.DOUBTFUL if (is_grave(doubt) and doubt.code not in refuted) or doubt.code in guessed else Level.CARE,
         )
         for doubt in decay.doubts
         if doubt.code not in answered

@@ -18,7 +18,7 @@ from suspid.analysis.idle import without_idle
 from suspid.analysis.longer import longer, shared_modes, with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays
+from suspid.decays import LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays, is_grave
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.model import ModalSet
@@ -159,7 +159,7 @@ def _sounder(record: control.TimeResponseData, best: Used, settings: Settings) -
             return tries[-1]
     # What the fit leaves calls for care, as friction does; that is less than a doubt.
     for used in tries[1:]:
-        if not _doubtful(used.identification) and not any(doubt.code in GRAVE for doubt in used.used[0].doubts):
+        if not _doubtful(used.identification) and not any(is_grave(doubt) for doubt in used.used[0].doubts):
             return used
     shared = shared_modes([one.identification for one in tries])
     return tries[int(np.argmax(shared))] if max(shared) > shared[0] else far_larger(record, tries)

@@ -16,7 +16,7 @@ from suspid.analysis.stretch import NO_CYCLE, swings
 from suspid.analysis.swelling import beats, beyond_wave, left_by_modes
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used
-from suspid.decays import GRAVE, SAME_MODE, SMALL, Decay, in_common, share_of
+from suspid.decays import SAME_MODE, SMALL, Decay, in_common, is_grave, share_of
 from suspid.identification import Considered, Identification, swings_many_times
 from suspid.records import late_start, of_channels
 from suspid.samples import held
@@ -205,6 +205,6 @@ def _again(found: Identification, stretch: Used) -> bool:
     """
     used = stretch.used
     apart = [d for d in stretch.decays if d.wn.size and all(d.stop <= one.start or d.start >= one.stop for one in used)]
-    free = [d for d in apart if not any(doubt.code in GRAVE for doubt in d.doubts)]
+    free = [d for d in apart if not any(is_grave(doubt) for doubt in d.doubts)]
     alike = sum(in_common(d.wn, found.modes.wn, within=SAME_MODE) for d in free)
     return alike >= (1 if used else 2) and 2 * alike >= len(apart)

@@ -8,7 +8,7 @@ that for one event), `tails` (the free end of a driven record) and `releases` (a
 again).
 """
 
-from suspid.decays.decay import FIT, GRAVE, LITTLE, Decay, Decays, by_chance
+from suspid.decays.decay import FIT, LITTLE, Decay, Decays, by_chance, is_grave
 from suspid.decays.find_decays import find_decays
 from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, share_of
 from suspid.decays.predictions import releases_before, rests_from
@@ -20,7 +20,6 @@ __all__ = [
     "DRIVEN",
     "FEWEST_EARLY",
     "FIT",
-    "GRAVE",
     "LITTLE",
     "LOOK_BLOCKS",
     "SAME_MODE",
@@ -32,6 +31,7 @@ __all__ = [
     "clearly_driven",
     "find_decays",
     "in_common",
+    "is_grave",
     "not_far_weaker",
     "releases_before",
     "rests_from",

@@ -8,6 +8,7 @@ from typing import overload
 
 import numpy as np
 
+from suspid.decays.refusals import DRIVEN
 from suspid.results import Result, columns_of
 from suspid.text_tables import TERMINAL, text_table
 from suspid.units import Decibel, RealArray, Second
@@ -143,7 +144,7 @@ class Decays(Sequence[Decay], Result):
         if not self.decays:
             none = Remark(DecayRemark.NONE)
             return Verdict(none, tuple(Check(remark, Level.NONE) for remark in self.remarks or (none,)))
-        checks = [Check(d, Level.DOUBTFUL if d.code in GRAVE else Level.CARE) for d in self.decays[0].doubts]
+        checks = [Check(d, Level.DOUBTFUL if is_grave(d) else Level.CARE) for d in self.decays[0].doubts]
         return Verdict(Remark(DecayRemark.FOUND, {"decays": len(self.decays)}), tuple(checks))
 
     def _table(self) -> Mapping[str, Sequence[object]]:
@@ -168,6 +169,16 @@ class Decays(Sequence[Decay], Result):
         parts = [text_table(columns, widest=TERMINAL)] if self else [str(Remark(DecayRemark.NONE))]
         doubts = [f"decay {decay.rank}: {'; '.join(map(str, decay.doubts))}" for decay in self if decay.doubts]
         return "\n".join([*parts, *doubts, *map(str, self.remarks)])
+
+
+def is_grave(doubt: Remark) -> bool:
+    """Return whether a doubt is one that a stretch is free motion at all.
+
+    A first part that deviates by no more of the motion than a free decay may leave is nonlinear, or the noise is small.
+    """
+    share = doubt.numbers.get("share")
+    little = doubt.code is DecayDoubt.FORCED and isinstance(share, float) and share <= DRIVEN
+    return doubt.code in GRAVE and not little
 
 
 def by_chance(decay: Decay) -> bool:

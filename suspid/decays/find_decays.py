@@ -12,7 +12,7 @@ from suspid.cleaning import RecordLike, as_record
 from suspid.decays.bursts import RINGING, RISE, Burst, died_down, find_bursts
 from suspid.decays.candidates import Recording, decays_after, examined
 from suspid.decays.coarse import coarsened
-from suspid.decays.decay import GRAVE, Decay, Decays
+from suspid.decays.decay import Decay, Decays, is_grave
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.decays.fading import decay_of_fading
@@ -145,7 +145,7 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
 
 
 def _gravely_doubted(decay: Decay) -> bool:
-    return any(doubt.code in GRAVE for doubt in decay.doubts)
+    return any(is_grave(doubt) for doubt in decay.doubts)
 
 
 def _at_end(recording: Recording) -> list[Decay]:
