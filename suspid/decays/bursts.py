@@ -50,6 +50,12 @@ def find_bursts(found: Envelopes) -> tuple[Burst, ...]:
         last = min(int(end + AFTERWARDS * (end - onset)), len(level) - 1)
         following = starts[index + 1][0] if index + 1 < len(starts) else len(level)
         stop = max(min(last, following - 1), onset)
+        rises = _rises(found, onset, stop)
+        if following <= last:
+            # Of the next event, slow bands show more than the one that tells its onset best.
+            early = [onset + rise for rise, top in rises if onset + top == stop]
+            stop = max(min([stop, *early]), onset)
+            rises = [(rise, top) for rise, top in rises if onset + top <= stop]
         out.append(
             Burst(
                 onset=float(time[onset]),
@@ -59,7 +65,7 @@ def find_bursts(found: Envelopes) -> tuple[Burst, ...]:
                 top=_ringing(found, onset, band),
                 width=float(1 / found.centres[band]),
                 cut=bool(following <= end),
-                again=_again(found, onset, stop),
+                again=tuple(float(time[onset + rise]) for rise, _ in rises),
             )
         )
     return tuple(out)
@@ -79,11 +85,11 @@ def died_down(found: Envelopes, burst: Burst) -> tuple[Burst, ...]:
     return tuple(out)
 
 
-def _again(found: Envelopes, begin: int, stop: int) -> tuple[Second, ...]:
-    """Return when a band rises again within an event [s]; of times close together, that of the highest band."""
+def _rises(found: Envelopes, begin: int, stop: int) -> list[tuple[int, int]]:
+    """Return from where and to where a band rises again within an event; of those close together, the highest band's."""
     from scipy.signal import find_peaks
 
-    out = list[int]()
+    out = list[tuple[int, int]]()
     for centre, levels in zip(found.centres, found.levels[:, begin : stop + 1], strict=True):
         apart = 2 / (centre * found.step)
         if len(levels) < 2 * apart:
@@ -93,9 +99,9 @@ def _again(found: Envelopes, begin: int, stop: int) -> tuple[Second, ...]:
             least = before + int(np.argmin(levels[before : top + 1]))
             low = np.flatnonzero(levels[least:top] < 0.5 * (levels[least] + levels[top]))
             onset = least + (int(low[-1]) if low.size else 0)
-            if onset > apart and all(abs(onset - other) > apart for other in out):
-                out.append(int(onset))
-    return tuple(float(found.timepts[begin + onset]) for onset in sorted(out))
+            if onset > apart and all(abs(onset - other) > apart for other, _ in out):
+                out.append((int(onset), int(top)))
+    return sorted(out)
 
 
 def _onset(found: Envelopes, since: int, peak: int) -> tuple[int, int]:

@@ -28,6 +28,8 @@ MOST_COEFFICIENTS, BLOCKS_EACH = 16, 5
 # An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
 # a weak force pass.
 FORCED_ERROR = 3.0
+# A recurrence that noise would predict as well by chance, this often, predicts nothing: all motion is an error of it.
+CHANCE_OF_NOISE = 0.01
 # Fewest samples of a rest.
 FEWEST_RESTING = 8
 # A force smaller than this share of the motion is left to the fit, which sees it better.
@@ -188,6 +190,8 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     weights = np.linalg.solve(normal, known[:, inside] @ scaled[:, inside].T)
     errors = scaled[:, : count - lags] - weights.T @ known
     usual = np.sqrt(np.mean(errors[:, inside] ** 2, axis=1, keepdims=True))
+    if not _predicts(usual[:, 0], length - lags, len(known)):
+        return 0, 0
     error = np.sqrt(np.mean((errors / np.maximum(usual, SMALL_FORCE / FORCED_ERROR)) ** 2, axis=0))
     forced = np.flatnonzero(error[:anchor] > FORCED_ERROR * max(1.0, float(np.max(error[inside]))))
     if not forced.size:
@@ -195,6 +199,21 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     # The release may lie in the last block that is forced, or in the one after it.
     last = surplus + int(forced[-1]) * size
     return last, last + 2 * size
+
+
+def _predicts(usual: RealArray, count: int, unknowns: int) -> bool:
+    """Return whether a recurrence predicts a channel better than chance, by the F test of each, (channel,).
+
+    ``usual`` are the root mean squares of the errors over the standard deviations of the channels.
+    """
+    from scipy.special import fdtrc
+
+    free = count - unknowns
+    if free < 1:
+        return True
+    left = np.maximum(usual**2, 1e-30)
+    ratio = np.maximum(1 - left, 0.0) / left * free / (unknowns - 1)
+    return bool(np.min(fdtrc(unknowns - 1, free, ratio)) < CHANCE_OF_NOISE / len(usual))
 
 
 def frequencies(values: RealArray, finest: RealArray, step: Second) -> tuple[Hertz, Hertz]:

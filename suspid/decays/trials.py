@@ -140,17 +140,20 @@ def quiet_variance(means: RealArray, *, size: int, length: int, finest: RealArra
     """Return a lower bound of the variance of the noise in the means over blocks of ``size`` samples, (channel,).
 
     The means are those of the recording, (channel, block), from `block_means`. The bound is `QUIET_SHARE` of a low
-    quantile over stretches of the recording of ``length`` samples, and at least the variance of the rounding and
-    quantisation error, whose standard deviation is ``finest``.
+    quantile over stretches of the recording of ``length`` samples, or of `MOST_BLOCKS`, beside a parabola: a fit takes
+    drifts as one. It is at least the variance of the rounding and quantisation error, whose standard deviation is
+    ``finest``.
     """
-    blocks = max(length // size, FEWEST_SAMPLES)
+    blocks = max(min(length // size, MOST_BLOCKS), FEWEST_SAMPLES)
     stretches = means.shape[1] // blocks
     least = finest**2 / size
     if stretches < FEWEST_STRETCHES:
         return np.asarray(least)
     parts = means[:, : stretches * blocks].reshape(len(means), stretches, blocks)
+    drifts = np.linalg.qr(np.vander(np.linspace(-1, 1, blocks), 3))[0]
     # Channel by channel: of a long record each copy counts.
-    quiet = np.quantile([np.var(channel, axis=1) for channel in parts], QUIET_QUANTILE, axis=1)
+    power = [np.sum(channel**2, axis=1) - np.sum((channel @ drifts) ** 2, axis=1) for channel in parts]
+    quiet = np.quantile(np.maximum(power, 0.0), QUIET_QUANTILE, axis=1) / (blocks - 3)
     return np.asarray(np.maximum(least, QUIET_SHARE * quiet))
 
 
