@@ -3,6 +3,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from suspid.errors import IdentificationError
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.joint_fit import Agreement, agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise
@@ -23,6 +24,20 @@ def agreed(seed: int, pairs: NDArray[np.complex128], index: int) -> Agreement:
     noises = [WhiteNoise(least=np.full(1, 1e-12))] * 3
     start = Poles(pairs=np.array([PAIR]), reals=np.array([REAL]), nuisances=np.zeros(1))
     return agreement(blocks, maximize_jointly(blocks, [start] * 3, noises), noises, index)
+
+
+def test_a_pair_does_not_cross_the_real_axis() -> None:
+    """One that meets it would go on as its own conjugate, which is no pole of a set of modes."""
+    rng = np.random.default_rng(3)
+    fading = [np.exp(-0.01 * np.arange(count)) + 1e-3 * rng.standard_normal(count) for count in LENGTHS]
+    blocks = [blocks_of(values[None]) for values in fading]
+    noises = [WhiteNoise(least=np.full(1, 1e-12))] * 3
+    start = Poles(pairs=np.array([-0.012 + 0.004j]), reals=np.zeros(0), nuisances=np.zeros(1))
+    fits = maximize_jointly(blocks, [start] * 3, noises)
+    assert all(np.all(fit.poles.pairs.imag > 0) for fit in fits)
+    below = Poles(pairs=np.array([-0.012 - 0.004j]), reals=np.zeros(0), nuisances=np.zeros(1))
+    with pytest.raises(IdentificationError):
+        maximize_jointly(blocks, [below] * 3, noises)
 
 
 class TestAgreement:

@@ -139,6 +139,16 @@ class TestEvents:
             assert found[0].stop == pytest.approx(12.4)
             assert found[1].onset == pytest.approx(12.5)
 
+    def test_ends_where_a_slow_band_shows_the_next_event(self) -> None:
+        """A filter of a slow band sees an event before it begins; the fastest band tells when it does."""
+        fast, slow = np.full(400, 0.0), np.full(400, 0.0)
+        fast[100:150] = slow[100:150] = 60.0 - 0.5 * np.arange(50)
+        fast[150:200], slow[145:200] = 70.0 - 0.5 * np.arange(50), 55.0 + 0.1 * np.arange(55)
+        first, second = find_bursts(bands(fast, slow))
+        assert first.stop == pytest.approx(14.4)
+        assert first.again == ()
+        assert second.onset == pytest.approx(15.0)
+
     def test_below_the_threshold_there_is_none(self) -> None:
         level = np.full(400, 0.0)
         level[100:150] = 19.9 - 0.1 * np.arange(50)

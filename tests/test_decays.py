@@ -1,5 +1,6 @@
 """Finding decays: laws of what is none, exact starts of those that are, and records made by others."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import control
@@ -8,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from suspid import RecordError, eigenmodes, free_decay, identify, quarter_car, statespace
-from suspid.decays import Decay, Decays, find_decays
+from suspid.decays import Decay, Decays, find_decays, is_grave
 from suspid.records import as_response, cut
 from suspid.words import DecayDoubt, DecayKind, DecayRemark, Level, Remark
 from validation import cars
@@ -54,6 +55,14 @@ class TestWords:
         assert "leave it out (without)" in str(Remark(DecayDoubt.DRIVEN, {"share": 28.0, "channel": "hammer"}))
         assert "41 % of the motion of 'seat'" in str(Remark(DecayDoubt.DRIVEN, {"share": 0.41, "channel": "seat"}))
         assert "is 13 % of the motion" in str(Remark(DecayDoubt.NONLINEAR, {"share": 0.13}))
+
+    @pytest.mark.parametrize(("share", "level"), [(0.018, Level.CARE), (0.05, Level.DOUBTFUL)])
+    def test_a_first_part_that_hardly_deviates_calls_for_care(self, share: float, level: Level) -> None:
+        """Joints of a beam that slip show beside little noise: it is a decay all the same."""
+        decay = find_decays(released((20.0,)))[0]
+        doubted = replace(decay, doubts=(Remark(DecayDoubt.FORCED, {"share": share}),))
+        assert Decays((doubted,)).verdict.level is level
+        assert is_grave(doubted.doubts[0]) == (level is Level.DOUBTFUL)
 
 
 class TestNothingDecays:

@@ -172,3 +172,24 @@ def test_what_fewer_channels_leave_is_no_more_than_noise(
     before = Used(record=record, decays=(), used=(), notes=(), identification=both)
     after = with_fewer_channels(record, before, Settings(), of_one)
     assert len(as_signal(after.record).channels) == kept
+
+
+@pytest.mark.parametrize(("other", "kept"), [(9.95, 2), (9.8, 1)])
+def test_a_channel_that_shows_another_mode_close_by_is_not_left_out(other: float, kept: int) -> None:
+    """A frame bends in two directions at nearly the same frequency: of one channel alone, one mode that bends."""
+    time = np.arange(6000) / 100
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, time.size))
+    one, two = np.exp(-0.011 * time) * np.cos(9.8 * time), np.exp(-0.012 * time) * np.sin(other * time)
+    record = as_response(time, np.stack([one + 0.1 * two, 0.2 * one + two]) + noise, ["x", "y"])
+    both = identify(record)
+    doubt = Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL)
+    vars(both)["verdict"] = replace(both.verdict, checks=(*both.verdict.checks, doubt))
+
+    def of_one(part: control.TimeResponseData, _: Settings) -> Used:
+        alone = replace(identify(part, modes=1), loudness=np.array([1.0]))
+        vars(alone)["verdict"] = replace(alone.verdict, checks=())
+        return Used(record=part, decays=(), used=(), notes=(), identification=alone)
+
+    before = Used(record=record, decays=(), used=(), notes=(), identification=both)
+    after = with_fewer_channels(record, before, Settings(), of_one)
+    assert len(as_signal(after.record).channels) == kept

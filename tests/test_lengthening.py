@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,10 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from suspid import analyse, as_record, identify
+from suspid.identification.noise import WhiteNoise
+from suspid.identification.nonlinear.driven import maximize
+from suspid.identification.nonlinear.feedback import Bent, Record
+from suspid.identification.nonlinear.lengthening import at_full_rate
 from suspid.units import RealArray
 from suspid.words import Level
 
@@ -97,3 +102,23 @@ def test_the_first_command_finds_it(tmp_path: Path) -> None:
     found = analyse(path)
     assert len(found.modes) == 1
     assert found.verdict.level is Level.CARE
+
+
+def test_a_mode_without_forces_is_followed_at_full_rate() -> None:
+    """What seemed to shift may be linear once more of it is seen: no force is left, in means or in samples."""
+    values = np.exp(-0.004 * np.arange(1200)) * np.cos(0.2 * np.arange(1200))
+    values = (values + 1e-3 * np.random.default_rng(1).standard_normal(1200))[None]
+    record = Record(
+        values=values,
+        noise=WhiteNoise(least=np.full(1, 1e-12)),
+        theta=np.array([-0.004 + 0.2j]),
+        amplitudes=np.array([[0.5]], complex),
+        nuisances=np.zeros(1),
+    )
+    thinned = record.thinned(2, 1200)
+    drive = replace(thinned.empty(), theta=np.array([-0.009 + 0.41j]), gains=np.zeros((1, 0), complex))
+    linear = maximize(thinned.values, drive, thinned.noise)
+    assert linear is not None
+    found = at_full_rate(record, Bent(fit=linear, forces=(), order=0), 2, 0.2)
+    assert found is not None
+    np.testing.assert_allclose(found.fit.theta, [-0.004 + 0.2j], rtol=1e-3)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from suspid.decays.predictions import released_at
+from suspid.decays.envelopes import finest
+from suspid.decays.predictions import freed_at, released_at
 from suspid.units import RealArray
 
 # Standard deviation of the error of rounding to whole numbers.
@@ -58,3 +59,13 @@ def test_the_last_sample_of_a_rest_counts_as_moved_before() -> None:
     for lowest, held in ((0.0, 0), (-1.0, 13)):
         values = np.array([0.0, *[10.0] * 12, 11.0, lowest, lowest, lowest])[None]
         assert released_at(values, np.array([ROUNDED])) == by_definition(values, 1.5) == held
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_noise_tells_no_force(seed: int) -> None:
+    """A long tail of noise alone is fitted where its sum is by chance the largest: all motion is an error of that."""
+    time = np.arange(4000) / 250
+    motion = 8e-3 * np.exp(-1.0 * time) * np.sin(6.5 * time)
+    values = np.stack([motion, 0.6 * motion]) + 5e-4 * np.random.default_rng(seed).standard_normal((2, time.size))
+    first, _ = freed_at(values, finest(values), step=1 / 250)
+    assert first < 125

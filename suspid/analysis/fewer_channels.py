@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.analysis.choice import FAR_FROM_NOISE, level_of
 from suspid.analysis.forced_start import SAME_POLE
@@ -18,7 +19,7 @@ from suspid.decays import DRIVEN
 from suspid.errors import SuspidError
 from suspid.identification import Identification
 from suspid.model import ModalSet
-from suspid.records import of_channels
+from suspid.records import cut, of_channels
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import RealArray
@@ -33,6 +34,8 @@ STRAY, TRIED_ALONE = 0.1, 2
 # Of the channels that stay, a fit leaves this many times less: what crosses a swing, and moves twice a cycle,
 # bends it.
 FAR_CLOSER = 2.0
+# A channel that moves at the frequency of a mode shows another one where this share of its energy is not that mode's.
+ANOTHER = 0.1
 # Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
 SHOWN_ALONE = (2, 3)
 
@@ -69,14 +72,39 @@ def with_fewer_channels(
         again = with_identification(fewer, settings).identification
         if again is None or multiples_alone(found.modes, again.modes):
             continue
+        out = tuple(name for name in names if name not in kept)
+        if _otherwise(of_channels(record, out), again):
+            continue
         level = level_of(again, fewer.used, fewer.decays)
         clearer = level > before if before <= Level.DOUBTFUL else level >= before and _far_closer(again, found)
         if clearer and not _louder(again, found):
-            out = tuple(name for name in names if name not in kept)
             return replace(
                 fewer, identification=again, notes=(Remark(Note.FEWER_CHANNELS, {"names": out}), *fewer.notes)
             )
     return used
+
+
+def _otherwise(others: control.TimeResponseData, found: Identification) -> bool:
+    """Return whether a channel moves at the frequency of a mode that was found in others, but not as that mode does.
+
+    It shows a second mode close to the first. The motion of one is that of the fit, in any phase.
+    """
+    fitted = as_signal(held(found, "fitted"))
+    motion = as_signal(cut(others, start=fitted.start - 0.5 * fitted.step, stop=float(fitted.timepts[-1])))
+    count = min(motion.values.shape[1], fitted.values.shape[1])
+    if abs(motion.step / fitted.step - 1) > SAME_POLE or not len(found.modes):
+        return False
+    beside, peaks = _about_peaks(motion.values)
+    cycles = motion.duration * found.modes.wn / (2 * np.pi)
+    near = np.min(np.abs(np.log2(np.maximum(peaks, 1)[:, None] / cycles)), axis=1) < 0.5
+    courses = np.exp(found.modes.poles[:, None] * (motion.step * np.arange(count)))
+    own, about = fitted.values[:, :count], motion.values[:, :count]
+    about = about - about.mean(axis=1, keepdims=True)
+    columns = [*courses.real, *courses.imag, *own, *np.gradient(own, axis=1), np.ones(count)]
+    basis, _ = np.linalg.qr(np.stack(columns, axis=1))
+    left = 1 - np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300)
+    own_left = 1 - float(np.min(found.explained))
+    return bool(np.any(near & (beside < STRAY) & (left - beside > max(ANOTHER, FAR_CLOSER * own_left))))
 
 
 def _louder(fewer: Identification, found: Identification) -> bool:
@@ -117,14 +145,18 @@ def multiples_alone(of_all: ModalSet, of_fewer: ModalSet) -> bool:
 
 def _beside_peak(found: Identification) -> RealArray:
     """Return the share of the energy of each channel that lies outside half an octave about its peak, (channel,)."""
-    values = as_signal(held(found, "response")).values
+    return _about_peaks(as_signal(held(found, "response")).values)[0]
+
+
+def _about_peaks(values: RealArray) -> tuple[RealArray, NDArray[np.intp]]:
+    """Return the share of the energy outside half an octave about the peak of each channel, and the peaks, (channel,)."""
     window = np.hanning(values.shape[1])
     power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
     # What makes fewer cycles is drift.
     power[:, :3] = 0.0
     peaks, places = np.argmax(power, axis=1), np.arange(power.shape[1])
     near = np.abs(np.log2(np.maximum(places, 1) / np.maximum(peaks, 1)[:, None])) < 0.5
-    return np.asarray(1 - np.sum(power * near, axis=1) / np.maximum(np.sum(power, axis=1), 1e-300))
+    return 1 - np.sum(power * near, axis=1) / np.maximum(np.sum(power, axis=1), 1e-300), peaks
 
 
 def _fewer(names: tuple[str, ...], explained: RealArray) -> list[list[str]]:

@@ -86,7 +86,7 @@ def died_down(found: Envelopes, burst: Burst) -> tuple[Burst, ...]:
 
 
 def _rises(found: Envelopes, begin: int, stop: int) -> list[tuple[int, int]]:
-    """Return from where and to where a band rises again within an event; of those close together, the highest band's."""
+    """Return from where to where a band rises again within an event; of rises close together, that of the highest."""
     from scipy.signal import find_peaks
 
     out = list[tuple[int, int]]()

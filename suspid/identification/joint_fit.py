@@ -49,7 +49,12 @@ def maximize_jointly(blocks: list[Blocks], start: list[Poles], noises: list[Whit
 def _all_fits(
     blocks: list[Blocks], poles: list[Poles], noises: list[WhiteNoise]
 ) -> tuple[list[DecayFit], float] | None:
-    """Return the fits of all decays at given poles and the sum of their losses, or None if one fails."""
+    """Return the fits of all decays at given poles and the sum of their losses, or None if one fails.
+
+    A pair that has crossed the real axis is none.
+    """
+    if np.any(poles[0].pairs.imag <= 0):
+        return None
     fits: list[DecayFit] = []
     for block, own, noise in zip(blocks, poles, noises, strict=True):
         fit = evaluate(block, own, noise)

@@ -65,7 +65,7 @@ def at_full_rate(record: Record, found: Bent, factor: int, turn: float) -> Bent 
         drive,
         theta=drive.theta / factor,
         gains=drive.gains / factor,
-        forces=np.array(forces),
+        forces=np.array(forces).reshape(len(forces), record.values.shape[1]),
         nuisances=record.nuisances,
     )
     fit = maximize(record.values, start, record.noise, steps=ROUGH_STEPS)
