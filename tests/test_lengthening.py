@@ -117,7 +117,7 @@ def test_a_mode_without_forces_is_followed_at_full_rate() -> None:
     )
     thinned = record.thinned(2, 1200)
     drive = replace(thinned.empty(), theta=np.array([-0.009 + 0.41j]), gains=np.zeros((1, 0), complex))
-    linear = maximize(thinned.values, drive, thinned.noise)
+    linear = maximize(thinned.values, drive, thinned.noise, steps=20)
     assert linear is not None
     found = at_full_rate(record, Bent(fit=linear, forces=(), order=0), 2, 0.2)
     assert found is not None

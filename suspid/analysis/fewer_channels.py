@@ -149,7 +149,7 @@ def _beside_peak(found: Identification) -> RealArray:
 
 
 def _about_peaks(values: RealArray) -> tuple[RealArray, NDArray[np.intp]]:
-    """Return the share of the energy outside half an octave about the peak of each channel, and the peaks, (channel,)."""
+    """Return the share of the energy outside half an octave about the peak of each channel, and the peaks."""
     window = np.hanning(values.shape[1])
     power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
     # What makes fewer cycles is drift.
