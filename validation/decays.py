@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from tabulate import tabulate
 
-from suspid import ModalSet, Suspension, eigenmodes, free_decay, statespace
+from suspid import ModalSet, Suspension, analyse, eigenmodes, free_decay, statespace
 from suspid.decays import Decay, find_decays
 from suspid.errors import SuspidError
 from suspid.identification.identify_repeats import identify_repeats
@@ -60,6 +60,7 @@ class Outcome:
     false_doubtless: int
     covered: RealArray
     joint: RealArray
+    first: RealArray
 
 
 # The height of the road is a random walk, 3 mm / sqrt(s) at 1, during the decays as well.
@@ -95,7 +96,7 @@ def report(*, recordings: int = RECORDINGS, seeds: int = SEEDS) -> str:
         ]
     headers = [
         "recording", "bumps found", "of them without doubts", "start late [ms]: median, 90 %", "false per hour",
-        "without doubts", "coverage of 95 %: each", "jointly",
+        "without doubts", "coverage of 95 %: each", "jointly", "first command",
     ]  # fmt: skip
     parts = [
         "# Finding decays",
@@ -104,7 +105,8 @@ def report(*, recordings: int = RECORDINGS, seeds: int = SEEDS) -> str:
         f"sensor noise so far below the largest value, offsets and slow drifts, seeds {FIRST_SEED} and on. Rolling: a "
         f"road whose height is a random walk, 1 is 3 mm in a second, and it goes on while the car decays. Coverage: "
         f"share of the 95 % intervals of wn and zeta that hold, after automatic cutting, of the modes that lie within "
-        f"a quarter of a true one; of decays without doubts, each alone, and all such decays of a recording jointly.",
+        f"a quarter of a true one; of decays without doubts, each alone, and all such decays of a recording jointly; "
+        f"and of what `analyse`, the first command, says of each recording, with doubts or without.",
         tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
         "# Repeats",
         f"Four decays ({', '.join(f'{n / 500:g}' for n in LENGTHS)} s at 500 Hz) from random states, three channels "
@@ -130,7 +132,9 @@ def outcome(case: Case, seed: int) -> Outcome:
     hits = {match: decay for decay, match in zip(found, matches, strict=True) if match is not None}
     false = [decay for decay, match in zip(found, matches, strict=True) if match is None]
     good = [decay for decay in hits.values() if not decay.doubts]
-    covered, joint = np.zeros(0), np.zeros(0)
+    covered, joint, first = np.zeros(0), np.zeros(0), np.zeros(0)
+    if hits:
+        first = _covered(analyse(record).modes, truth)
     if good:
         try:
             repeats = identify_repeats(record, good)
@@ -147,6 +151,7 @@ def outcome(case: Case, seed: int) -> Outcome:
         false_doubtless=sum(not decay.doubts for decay in false),
         covered=covered,
         joint=joint,
+        first=first,
     )
 
 
@@ -219,7 +224,9 @@ def _row(case: Case, outcomes: Sequence[Outcome]) -> list[str]:
     bumps, found = sum(o.bumps for o in outcomes), sum(o.found for o in outcomes)
     hours = len(outcomes) * DURATION / 3600
     late = 1000 * np.concatenate([o.late for o in outcomes])
-    covered, joint = (np.concatenate([getattr(o, name) for o in outcomes]) for name in ("covered", "joint"))
+    covered, joint, first = (
+        np.concatenate([getattr(o, name) for o in outcomes]) for name in ("covered", "joint", "first")
+    )
     what = f"{case.quantity}, noise -{case.snr_db:g} dB" + (f", rolling {case.rolling:g}" if case.rolling else "")
     return [
         what if case.bumps else f"{case.quantity}, no bump, " + ("rolling" if case.rolling else "white noise"),
@@ -230,6 +237,7 @@ def _row(case: Case, outcomes: Sequence[Outcome]) -> list[str]:
         f"{sum(o.false_doubtless for o in outcomes) / hours:.1f}",
         f"{100 * np.mean(covered):.1f} % of {covered.size}" if covered.size else "-",
         f"{100 * np.mean(joint):.1f} % of {joint.size}" if joint.size else "-",
+        f"{100 * np.mean(first):.1f} % of {first.size}" if first.size else "-",
     ]
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.analysis.analysis import Analysis
+from suspid.analysis.background import with_background
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified, level_of
 from suspid.analysis.commanded import after_commands
@@ -278,7 +279,9 @@ def _identified(
         for part_of in (from_later, of_largest):
             part = part_of(whole, stretch, kept, settings)
             if part is not None and part.identification is not None:
-                return part.identification, None, part
+                kept, stretch = part.identification, part
+                break
+        kept, stretch = with_background(kept, stretch, whole)
         return kept, None, stretch
     repeats = _jointly(whole, stretch, settings)
     return repeats.each[0], repeats, stretch

@@ -14,11 +14,12 @@ from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, sh
 from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
-from suspid.decays.trials import FEWEST_EARLY, TRIAL_PARTS, unexplained
+from suspid.decays.trials import FEWEST_EARLY, FEWEST_STRETCHES, TRIAL_PARTS, unexplained
 
 __all__ = [
     "DRIVEN",
     "FEWEST_EARLY",
+    "FEWEST_STRETCHES",
     "FIT",
     "LITTLE",
     "LOOK_BLOCKS",

@@ -10,6 +10,7 @@ them: `exponentials` and `poles` (inner products), `noise` (least variance, like
 
 from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.considered import Considered
+from suspid.identification.covariance import with_changes as with_changes
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method

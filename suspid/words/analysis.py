@@ -35,6 +35,15 @@ def _named(n: Mapping[str, Number]) -> str:
     return f"{'channels' if len(names) > 1 else 'channel'} {in_a_row([repr(name) for name in names])}"
 
 
+def _by_mode(n: Mapping[str, Number]) -> str:
+    modes, times = n["modes"], n["times"]
+    assert isinstance(modes, tuple)
+    assert isinstance(times, tuple)
+    many = len(modes) > 1
+    named = f"modes {in_a_row([str(mode) for mode in modes])} are" if many else f"mode {modes[0]} are"
+    return f"{named} {in_a_row([f'{factor:.2g}' for factor in times])}"
+
+
 def _channels(n: Mapping[str, Number]) -> str:
     names = n["names"]
     assert isinstance(names, tuple)
@@ -121,6 +130,15 @@ class Note(Code):
         ),
     )
     DECAY_DOUBT = "decay doubt", "this decay: {doubt}"
+    WIDENED = (
+        "widened",
+        sentence(
+            lambda n: (
+                f"the background excites modes during the decay: the intervals of {_by_mode(n)} times as wide as in "
+                f"white noise"
+            )
+        ),
+    )
     LARGER_ELSEWHERE = (
         "larger elsewhere",
         sentence(

@@ -113,7 +113,7 @@ class DecayDoubt(Code):
     BACKGROUND = (
         "background",
         "the background near {hertz:.3g} Hz is {decibel:.0f} dB above white noise: it excites the mode during the "
-        "decay, and the intervals are too narrow",
+        "decay, and intervals that assume white noise are too narrow",
     )
     NOT_IDENTIFIED = "not identified", "identify fails on this stretch: {error}"
     MODES_MISSING = (

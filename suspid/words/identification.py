@@ -153,8 +153,8 @@ class ModeCheck(Code):
         "parts",
         sentence(
             lambda n: (
-                f"{_modes(n['modes']).capitalize()} lie within the width of one line, and what is left near them is no "
-                f"noise: they may be one mode that is not linear."
+                f"{_modes(n['modes']).capitalize()} each lie within the width of the line of another, and what is left "
+                f"near them is no noise: they may be parts of a mode that is not linear."
             )
         ),
     )
@@ -247,7 +247,8 @@ class ModeCheck(Code):
     )
     RESIDUAL_LINE = (
         "residual line",
-        "A steady line at {hertz:.4g} Hz remains in the residual: rotating parts, hum, or an excitation still acting.",
+        "A steady line at {hertz:.4g} Hz remains in the residual: rotating parts, hum, an excitation still acting, or "
+        "a mode that hardly decays.",
     )
     RESIDUAL_MODE = (
         "residual mode",
