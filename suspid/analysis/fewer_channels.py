@@ -35,7 +35,7 @@ STRAY, TRIED_ALONE = 0.1, 2
 # bends it.
 FAR_CLOSER = 2.0
 # A channel that moves at the frequency of a mode shows another one where this share of its energy is not that mode's.
-ANOTHER = 0.1
+ANOTHER = 0.02
 # Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
 SHOWN_ALONE = (2, 3)
 
