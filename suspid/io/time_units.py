@@ -163,13 +163,13 @@ def unit_remark(stamps: RealArray) -> Remark | None:
 def _other_units(unit: str, step: float, *, whole: bool) -> tuple[str, ...]:
     """Return the units that stamps without one, taken as a unit finer than s, may be in as well.
 
-    Clocks count in whole ms or us; numbers with decimals may as well be s. Those of a slow logger in ms look like us,
-    and so do those of a telephone or an oscilloscope in ns.
+    Clocks count in whole ms or us; numbers with decimals may as well be s, and steps of 1 may count the rows. Those of a
+    slow logger in ms look like us, and so do those of a telephone or an oscilloscope in ns.
 
     Examples
     --------
-    >>> [_other_units("ms", step, whole=step % 1 == 0) for step in (5.0, 1.25, 64.0, 26.4)]
-    [(), ('s',), ('us',), ('us', 's')]
+    >>> [_other_units("ms", step, whole=step % 1 == 0) for step in (5.0, 1.0, 1.25, 64.0, 26.4)]
+    [(), ('s',), ('s',), ('us',), ('us', 's')]
     >>> [_other_units("us", step, whole=True) for step in (1872.0, 2e5)]
     [('ms',), ('ms', 'ns')]
     """
@@ -177,7 +177,7 @@ def _other_units(unit: str, step: float, *, whole: bool) -> tuple[str, ...]:
         return ("ms", *(("ns",) if step > 1000 * SURE_STEP else ()))
     if unit == "ns":
         return ("us",)
-    return ("us",) * (step > SURE_STEP) + ("s",) * (not whole)
+    return ("us",) * (step > SURE_STEP) + ("s",) * (not whole or step == 1)
 
 
 def guessed_unit(time: str, stamps: RealArray, fs: Hertz | None) -> tuple[str, Remark | None]:
