@@ -16,7 +16,7 @@ from suspid.errors import SuspidError
 from suspid.identification import Identification
 from suspid.records import of_channels
 from suspid.signals import as_signal
-from suspid.words import DecayDoubt, Level
+from suspid.words import DecayDoubt, Level, Remark
 
 if TYPE_CHECKING:
     import control
@@ -62,7 +62,9 @@ def _parts(best: Decay, decays: Decays) -> Iterator[Decay]:
     others = [decay for decay in decays if decay.start != best.start and not by_chance(decay)]
     for decay in (best, *others[:1]):
         for share in LATER_SHARES if decay is best else (0.0, *LATER_SHARES):
-            yield replace(decay, start=decay.start + share * (decay.stop - decay.start))
+            start = decay.start + share * (decay.stop - decay.start)
+            said = (Remark(DecayDoubt.LATER, {"first": decay.start, "start": start}),) if share else ()
+            yield replace(decay, start=start, doubts=(*said, *decay.doubts))
 
 
 def _checked(record: control.TimeResponseData, decay: Decay) -> Decay | None:

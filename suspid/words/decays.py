@@ -84,8 +84,8 @@ class DecayDoubt(Code):
     )
     LATER = (
         "later",
-        "the motion decays from {first:.6g} s on, but no fit explains it before {start:.6g} s: frequency or damping "
-        "change more with the amplitude there",
+        "the motion decays from {first:.6g} s on, but no fit explains it before {start:.6g} s: an excitation still "
+        "acts, modes die soon, or frequency or damping change there",
     )
     SWELLS = (
         "swells",
