@@ -38,6 +38,9 @@ def test_a_pair_does_not_cross_the_real_axis() -> None:
     below = Poles(pairs=np.array([-0.012 - 0.004j]), reals=np.zeros(0), nuisances=np.zeros(1))
     with pytest.raises(IdentificationError):
         maximize_jointly(blocks, [below] * 3, noises)
+    beside = Poles(pairs=np.array([PAIR, -0.012 - 0.004j]), reals=np.zeros(0), nuisances=np.zeros(1))
+    with pytest.raises(IdentificationError):
+        maximize_jointly(blocks, [beside] * 3, noises)
 
 
 class TestAgreement:

@@ -63,6 +63,8 @@ class TestWords:
         doubted = replace(decay, doubts=(Remark(DecayDoubt.FORCED, {"share": share}),))
         assert Decays((doubted,)).verdict.level is level
         assert is_grave(doubted.doubts[0]) == (level is Level.DOUBTFUL)
+        # What remains of all of it is none of the first part.
+        assert is_grave(Remark(DecayDoubt.DRIVEN, {"share": share, "channel": "seat"}))
 
 
 class TestNothingDecays:

@@ -353,3 +353,29 @@ def test_of_a_column_without_a_name_it_is_guessed_that_it_is_a_time(tmp_path: Pa
     assert found.verdict.level is Level.CARE
     (check,) = [check for check in found.verdict.checks if check.remark.code is RecordCheck.GUESSED_UNIT]
     assert "if it is another unit, or no time, all frequencies are wrong" in str(check)
+
+
+def test_samples_too_slow_for_a_suspension_call_for_care(tmp_path: Path) -> None:
+    """A step of 10 without a unit may be ms, and stamps in s may count the rows. A rate that is given is right."""
+    from scipy.io import savemat
+
+    motion = np.exp(-0.02 * np.arange(600)) * np.cos(0.3 * np.arange(600))
+    motion = motion + 1e-3 * np.random.default_rng(1).standard_normal(600)
+    savemat(tmp_path / "step.mat", {"y": motion, "dt": 10.0})
+    checks = {check.remark.code: str(check) for check in analyse(tmp_path / "step.mat").verdict.checks}
+    assert "10 s apart" in checks[RecordCheck.SLOW_SAMPLES]
+    assert "100 if it is ms" in checks[RecordCheck.SLOW_SAMPLES]
+    stated = analyse(tmp_path / "step.mat", settings=Settings(fs=0.1))
+    assert RecordCheck.SLOW_SAMPLES not in {check.remark.code for check in stated.verdict.checks}
+
+
+def test_a_clock_beside_its_channel_may_count_since_1970(tmp_path: Path) -> None:
+    """Fields of one array in HDF5: whole microseconds, of which the size says the unit."""
+    h5py = pytest.importorskip("h5py")
+    rows = np.zeros(500, [("time", "<u8"), ("x", "<f4")])
+    rows["time"] = 1_700_000_000_000_000 + 10_000 * np.arange(500, dtype=np.uint64)
+    rows["x"] = np.cos(0.3 * np.arange(500))
+    with h5py.File(tmp_path / "logger.h5", "w") as file:
+        file["d"] = rows
+    (channel,) = read_recording(tmp_path / "logger.h5").channels
+    assert np.diff(channel.timepts) == pytest.approx(0.01, abs=1e-6)

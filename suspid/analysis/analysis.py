@@ -24,7 +24,7 @@ from suspid.identification import (
     verdict_of,
     verdict_of_repeats,
 )
-from suspid.io import UNNAMED_COLUMN
+from suspid.io import SLOWEST_STEP, UNNAMED_COLUMN
 from suspid.levels import LEVEL
 from suspid.model import ModalSet
 from suspid.reconstruction import Reconstruction, tables_of_reconstruction
@@ -257,6 +257,9 @@ def _of_recording(found: Analysis) -> Iterator[Check]:
         if remark.code is LeftOut.FINER_UNIT and (remark.numbers["others"] or UNNAMED_TIME.fullmatch(name)):
             guessed: dict[str, Number] = {"name": printable(name), **remark.numbers}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
+    step = as_signal(held(found.cleaned, "record")).step
+    if found.recording is not None and found.settings.fs is None and step >= SLOWEST_STEP:
+        yield Check(Remark(RecordCheck.SLOW_SAMPLES, {"step": step, "rate": 1000 / step}), Level.CARE)
     others = [str(check.remark.code) for check in against if check not in overridden]
     if others:
         numbers: dict[str, Number] = {"number": len(others), "kinds": tuple(dict.fromkeys(others))}

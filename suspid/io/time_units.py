@@ -163,8 +163,8 @@ def unit_remark(stamps: RealArray) -> Remark | None:
 def _other_units(unit: str, step: float, *, whole: bool) -> tuple[str, ...]:
     """Return the units that stamps without one, taken as a unit finer than s, may be in as well.
 
-    Clocks count in whole ms or us; numbers with decimals may as well be s, and steps of 1 may count the rows. Those of a
-    slow logger in ms look like us, and so do those of a telephone or an oscilloscope in ns.
+    Clocks count in whole ms or us; numbers with decimals may as well be s, and steps of 1 may count the rows. Those of
+    a slow logger in ms look like us, and so do those of a telephone or an oscilloscope in ns.
 
     Examples
     --------

@@ -14,6 +14,7 @@ from suspid.errors import RecordError
 from suspid.io.labels import Clocked, Group, Text, Texts, Variable, labelled
 from suspid.io.names import PER_SECOND, is_time, split_unit, stated_rate
 from suspid.io.tables import Table, TimeBase
+from suspid.io.time_units import epoch_unit
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Number, Remark
@@ -113,8 +114,13 @@ def _clock(group: Group, prefix: str, above: TimeBase | None) -> TimeBase | None
 
 
 def _stamps(name: str, time: Variable) -> Callable[[], RealArray]:
-    unit = time.unit.strip().lower() or split_unit(name)[1] or "s"
-    return lambda: frozen_real(np.ravel(time.read()) / PER_SECOND.get(unit, 1.0))
+    unit = time.unit.strip().lower() or split_unit(name)[1]
+
+    def in_seconds() -> RealArray:
+        stamps = np.ravel(time.read()).astype(float)
+        return frozen_real(stamps / PER_SECOND.get(unit or epoch_unit(stamps), 1.0))
+
+    return in_seconds
 
 
 def _time(group: Group) -> tuple[str, Variable] | None:

@@ -300,6 +300,16 @@ class RecordCheck(Code):
             )
         ),
     )
+    SLOW_SAMPLES = (
+        "slow samples",
+        sentence(
+            lambda n: (
+                f"The samples are {n['step']:.4g} s apart by the time of the file, too slow for a suspension. If its "
+                f"unit is ms, or it counts the rows, all frequencies are wrong by the same factor. Give "
+                f"{Argument('fs')}: {n['rate']:.6g} if it is ms."
+            )
+        ),
+    )
     DEFECTS = (
         "defects",
         sentence(
