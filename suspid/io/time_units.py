@@ -184,7 +184,7 @@ def guessed_unit(time: str, stamps: RealArray, fs: Hertz | None) -> tuple[str, R
     """Return the unit that stamps without one are taken in beyond that of their size, and what is said of it.
 
     A rate that is given says which of the units it is that they may be in. Where none is, a guess is refused that makes
-    no sense either: the record would be too short.
+    no sense either: the record would be too short, unless few rows may be counted.
 
     Examples
     --------
@@ -203,7 +203,7 @@ def guessed_unit(time: str, stamps: RealArray, fs: Hertz | None) -> tuple[str, R
     agreeing = [own for own, rate in zip((unit, *others), rates, strict=True) if fs and abs(fs / rate - 1) < NEAR_RATE]
     if agreeing:
         return agreeing[0], None
-    if fs is None and others and length < SHORTEST_GUESS:
+    if fs is None and others and length < SHORTEST_GUESS and said.numbers["step"] != 1:
         raise RecordError(
             f"the unit of {time!r} is not stated; if it is {unit}, the record is only {length:.3g} s long: give "
             f"{rates_of_units(said.numbers)}"
