@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import control
 
 # Stretches end where the slowest mode has fallen by the first number [neper], as longer ones hold other decays. Each
-# overlaps by all but the second number's inverse with the next, and of a long recording the third number are taken.
+# sample is in as many of them as the second number says; a long recording gives the third number, further apart.
 FALLS_BY, LAPS, MOST_LAPS = 5.0, 4, 400
 # Standard deviations that are less than this many times as large are not worth a word.
 LEAST_SAID = 1.1

@@ -13,6 +13,7 @@ from suspid.analysis.choice import FAR_FROM_NOISE, level_of
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import shared_modes, with_identification
 from suspid.analysis.settings import Settings
+from suspid.analysis.swelling import left_by_modes
 from suspid.analysis.used import Used, without_channels
 from suspid.cleaning import is_clipped
 from suspid.decays import DRIVEN
@@ -97,12 +98,9 @@ def _otherwise(others: control.TimeResponseData, found: Identification) -> bool:
     beside, peaks = _about_peaks(motion.values)
     cycles = motion.duration * found.modes.wn / (2 * np.pi)
     near = np.min(np.abs(np.log2(np.maximum(peaks, 1)[:, None] / cycles)), axis=1) < 0.5
-    courses = np.exp(found.modes.poles[:, None] * (motion.step * np.arange(count)))
-    own, about = fitted.values[:, :count], motion.values[:, :count]
-    about = about - about.mean(axis=1, keepdims=True)
-    columns = [*courses.real, *courses.imag, *own, *np.gradient(own, axis=1), np.ones(count)]
-    basis, _ = np.linalg.qr(np.stack(columns, axis=1))
-    left = 1 - np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300)
+    own = fitted.values[:, :count]
+    together = replace(motion, values=motion.values[:, :count])
+    left = left_by_modes(together, found.modes, beside=(*own, *np.gradient(own, axis=1)))
     own_left = 1 - float(np.min(found.explained))
     return bool(np.any(near & (beside < STRAY) & (left - beside > max(ANOTHER, FAR_CLOSER * own_left))))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -119,12 +120,15 @@ def beats(found: Identification) -> int:
     return len(sunk) if left[clearest] <= LEFT_BY_WAVE and len(sunk) > len(found.modes) - 2 else 0
 
 
-def left_by_modes(signal: Signal, modes: ModalSet) -> RealArray:
-    """Return the share of the energy of each channel that modes with a constant level leave, (channel,)."""
+def left_by_modes(signal: Signal, modes: ModalSet, *, beside: Iterable[RealArray] = ()) -> RealArray:
+    """Return the share of the energy of each channel that modes with a constant level leave, (channel,).
+
+    Further motions ``beside`` them, each (sample,), may be followed too.
+    """
     about = signal.values - signal.values.mean(axis=1, keepdims=True)
     time = signal.step * np.arange(about.shape[1])
     courses = np.exp(modes.poles[:, None] * time)
-    basis, _ = np.linalg.qr(np.stack([*courses.real, *courses.imag, np.ones(len(time))], axis=1))
+    basis, _ = np.linalg.qr(np.stack([*courses.real, *courses.imag, *beside, np.ones(len(time))], axis=1))
     return np.asarray(1 - np.sum((about @ basis) ** 2, axis=1) / np.sum(about**2, axis=1).clip(1e-300))
 
 
