@@ -151,8 +151,9 @@ def quiet_variance(means: RealArray, *, size: int, length: int, finest: RealArra
         return np.asarray(least)
     parts = means[:, : stretches * blocks].reshape(len(means), stretches, blocks)
     drifts = np.linalg.qr(np.vander(np.linspace(-1, 1, blocks), 3))[0]
-    # Channel by channel: of a long record each copy counts.
-    power = [np.sum(channel**2, axis=1) - np.sum((channel @ drifts) ** 2, axis=1) for channel in parts]
+    # Channel by channel: of a long record each copy counts. Levels far from zero would round the rest away.
+    centred = (channel - channel.mean(axis=1, keepdims=True) for channel in parts)
+    power = [np.sum(each**2, axis=1) - np.sum((each @ drifts) ** 2, axis=1) for each in centred]
     quiet = np.quantile(np.maximum(power, 0.0), QUIET_QUANTILE, axis=1) / (blocks - 3)
     return np.asarray(np.maximum(least, QUIET_SHARE * quiet))
 
