@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.background import with_background
+from suspid.analysis.begun_tones import with_begun_tones
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified, level_of
 from suspid.analysis.commanded import after_commands
@@ -281,7 +282,7 @@ def _identified(
             if part is not None and part.identification is not None:
                 kept, stretch = part.identification, part
                 break
-        kept, stretch = with_background(kept, stretch, whole)
+        kept, stretch = with_background(with_begun_tones(kept, whole), stretch, whole)
         return kept, None, stretch
     repeats = _jointly(whole, stretch, settings)
     return repeats.each[0], repeats, stretch

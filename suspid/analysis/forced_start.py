@@ -23,7 +23,7 @@ HARDLY_KNOWN = 0.025
 PERIODS_LATER = (0.25, 0.5, 1.0, 1.5)
 # The record is driven before the decay if it moves by this many times the noise from `PERIODS_BEFORE` periods to half a
 # period before the start: a bump is shorter, and a held mass only shows the noise.
-DRIVEN_BEFORE, PERIODS_BEFORE = 10.0, 2.0
+DRIVEN_BEFORE, PERIODS_BEFORE, SLOW_RELEASE = 10.0, 2.0, 0.2
 # A mode is the same if its pole lies within this share of its modulus.
 SAME_POLE = 0.05
 
@@ -57,8 +57,9 @@ def _driven_before(record: control.TimeResponseData, found: Identification, peri
     signal, fitted = as_signal(record), as_signal(held(found, "residual"))
     start, channels = fitted.start, [signal.channels.index(name) for name in fitted.channels]
     time = signal.timepts
-    before = (time >= start - PERIODS_BEFORE * period) & (time < start - 0.5 * period)
+    before = (time >= start - PERIODS_BEFORE * period) & (time < start - SLOW_RELEASE * period)
     if not before.any():
         return False
-    moved = np.std(signal.values[channels][:, before], axis=1)
+    values = signal.values[channels][:, before]
+    moved = np.max(np.abs(values - np.median(values, axis=1, keepdims=True)), axis=1)
     return bool(np.any(moved > DRIVEN_BEFORE * found.noise_std))

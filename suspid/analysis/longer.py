@@ -63,7 +63,7 @@ def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> 
             break
     for decay in _later(record, best):
         best = with_identification(best, settings)
-        if not _goes_on(record, best).any():
+        if not (_goes_on(record, best).any() or _has_tones(best.identification)):
             continue
         more = with_identification(used_of(record, best.decays, decay), settings)
         if more.identification is not None and _shows_more(more.identification, best.identification):
@@ -172,6 +172,11 @@ def _goes_on(record: control.TimeResponseData, best: Used) -> NDArray[np.bool_]:
     if best.identification is None or not after.shape[1]:
         return np.full(len(after), best.identification is None)
     return np.asarray(np.ptp(after, axis=1) > MOVES * best.identification.noise_std)
+
+
+def _has_tones(found: Identification | None) -> bool:
+    """Return whether a fit has what does not decay within its stretch: a slow mode looks so beside faster ones."""
+    return found is not None and any(c.removed and c.remark.code is Reason.TONE for c in found.considered)
 
 
 def _shows_more(longer: Identification, found: Identification | None) -> bool:

@@ -65,7 +65,9 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
         best = longer(record, _best(record, settings), settings)
-        free = _once_free(record, _sounder(record, best, settings), settings)
+        sounder = _sounder(record, best, settings)
+        best = sounder if sounder.used == best.used else longer(record, sounder, settings)
+        free = _once_free(record, best, settings)
         return until_one_rests(record, free, settings)
     decays = find_decays(record)
     if not decays:

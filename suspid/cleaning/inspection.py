@@ -9,6 +9,7 @@ import numpy as np
 from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.sentinels import known, possible, without_sentinels
+from suspid.cleaning.spikes import without_spikes
 from suspid.levels import UNLIKELY
 from suspid.stamps import Indices
 from suspid.units import Flags, RealArray
@@ -18,11 +19,6 @@ from suspid.words import Defect, Number
 # Share of the steps that are the commonest one, and of those up to ten times as large that are multiples of it, from
 # which on it is the step of the converter. Of steps of any size a tenth are multiples by chance.
 COMMONEST, MULTIPLES = 0.1, 0.75
-# Single samples that lie this many times as far from the median as this share of all, while their neighbours are within
-# the second number: spikes, if there are as many. Fewer may be blows; a lower factor takes blows that are sampled once.
-SPIKE_OVER, BESIDE_SPIKE, WITHIN, FEWEST_SPIKES = 1000.0, 30.0, 0.95, 3
-# Samples that tell the spread of a channel within a factor of two.
-SAMPLES_LOOKED_AT = 4096
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
 # Shorter runs of its value that show that it is a level of the channel, to which this returns. With their mean length,
@@ -76,7 +72,7 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
         findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": LARGEST_SIZE}, channel=name))
     repaired, sentinels = without_sentinels(name, times, whole)
     findings += sentinels
-    repaired, spikes = _without_spikes(name, times, repaired)
+    repaired, spikes = without_spikes(name, times, repaired)
     findings += spikes
     if np.sum(~np.isnan(repaired)) >= 8:
         findings += clipping(name, *known(times, repaired))
@@ -85,41 +81,6 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
         findings += _level(name, *known(times, repaired))
     kept = repaired is values and not values.flags.writeable
     return Inspected(values=values if kept else frozen_real(repaired), findings=tuple(findings))
-
-
-def _without_spikes(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
-    """Return the samples with NaN for single ones that no motion reaches, and the finding that names them.
-
-    A counter that wraps round leaves them in the speed that is computed from it. Both neighbours of each lie among the
-    others: the first sample of a blow is followed by more.
-    """
-    if not np.any(np.isfinite(values)) or _keeps_within(values):
-        return values, []
-    about = np.abs(values - np.nanmedian(values))
-    within = float(np.nanquantile(about, WITHIN))
-    far = np.nan_to_num(about) > SPIKE_OVER * within
-    if not within or np.sum(far) < FEWEST_SPIKES:
-        return values, []
-    beside = np.zeros(len(values), bool)
-    near = np.nan_to_num(about) > BESIDE_SPIKE * within
-    beside[1:] |= near[:-1]
-    beside[:-1] |= near[1:]
-    at = np.flatnonzero(far & ~beside)
-    if at.size < FEWEST_SPIKES or at.size < np.sum(far):
-        return values, []
-    numbers: dict[str, Number] = {"least": float(np.min(np.abs(values[at]))), "within": within, "share": 100 * WITHIN}
-    spiked = values.copy()
-    spiked[at] = np.nan
-    return spiked, [found(Defect.SPIKES, times[at], at.size, numbers, channel=name)]
-
-
-def _keeps_within(values: RealArray) -> bool:
-    """Return whether some of the samples show that none is a spike: a look at all of them takes long."""
-    some = values[:: max(1, values.size // SAMPLES_LOOKED_AT)]
-    some = some[~np.isnan(some)]
-    middle = float(np.median(some)) if some.size else 0.0
-    within = float(np.quantile(np.abs(some - middle), WITHIN)) if some.size else 0.0
-    return max(float(np.nanmax(values)) - middle, middle - float(np.nanmin(values))) < 0.5 * SPIKE_OVER * within
 
 
 def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:

@@ -15,6 +15,8 @@ from suspid.words import Reason
 TONE_SURE = 10.0
 # Nepers over the record below which nothing decays, however well a simulation without noise knows it.
 LEAST_DECAY_SEEN = 1e-6
+# Nepers that a tone may lose over the record by itself: sources of hum vary by less.
+LEAST_FADE = 0.05
 # Share of the energy of the best channel below which most of a record is other motion than the decay: standard
 # deviations are then widened by it, and no forces are looked for.
 LEAST_EXPLAINED = 0.5
@@ -44,6 +46,15 @@ def reasons_of(
 def is_tone(decay: float, spread: float, count: int) -> bool:
     """Return whether a decay rate per sample, known to a standard deviation, is none over a number of samples."""
     return decay * count < (1.0 if decay < SURE * spread else 0.25 if decay < TONE_SURE * spread else LEAST_DECAY_SEEN)
+
+
+def fading(fit: DecayFit, loudness: RealArray) -> RealArray:
+    """Return which share of its amplitude each pair loses over the record, (pair,); 0 where that may be chance."""
+    pairs = len(fit.poles.pairs)
+    spread = np.sqrt(np.diag(inverse_information(fit.information))[: 2 * pairs : 2] * np.maximum(loudness[:pairs], 1.0))
+    decays = -fit.poles.pairs.real
+    seen = decays > np.maximum(SURE * spread, LEAST_FADE / fit.count)
+    return np.where(seen, -np.expm1(-decays * fit.count), 0.0)
 
 
 def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[float, float]) -> Reason | None:

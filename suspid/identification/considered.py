@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.identification.classification import fading
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.harmonics import HIGHEST, combination_of, multiple_of
 from suspid.identification.nonlinear import MULTIPLE
@@ -60,8 +61,9 @@ class Considered:
 def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:
     """Return what was fitted but is no mode, then what was tried and not kept."""
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
+    lost = fading(selection.fit, selection.loudness)
     removed = []
-    for theta, reason in zip(every.tolist(), selection.reasons, strict=True):
+    for k, (theta, reason) in enumerate(zip(every.tolist(), selection.reasons, strict=True)):
         if reason in (Reason.HARMONIC, Reason.COMBINATION) and not len(modes):
             removed.append(Considered(pole=complex(theta) / step, remark=Remark(Reason.OF_NO_MODE), removed=True))
         elif reason is Reason.HARMONIC:
@@ -71,6 +73,9 @@ def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[
         elif reason is Reason.COMBINATION:
             one, other, word = combination_of(modes, complex(theta) / step)
             remark = Remark(reason, {"mode": one, "other": other, "word": word})
+            removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
+        elif reason is Reason.TONE and lost[k]:
+            remark = Remark(reason, {"share": float(lost[k])})
             removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
         elif reason is not None:
             removed.append(Considered(pole=complex(theta) / step, remark=Remark(reason), removed=True))

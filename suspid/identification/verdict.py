@@ -31,6 +31,7 @@ from suspid.identification.mode_checks import (
 )
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
+from suspid.identification.removed_checks import check_dropped, check_removed, check_tones
 from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
@@ -73,7 +74,7 @@ def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
     ('sound', '2 modes found')
     """
     if not len(found.modes):
-        tones = _left_out(found, Reason.TONE, ModeCheck.STEADY_TONES, Level.NOTE)
+        tones = check_tones(found)
         checks = (*_why_none(found), *_late_motion(found), *tones)
         return Verdict(Remark(Headline.NO_MODE), checks)
     return Verdict(Remark(Headline.MODES, {"modes": len(found.modes)}), tuple(_checks(found, level)))
@@ -81,7 +82,7 @@ def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
 
 def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from _explained(found)
-    yield from _dropped(found)
+    yield from check_dropped(found)
     growing = numbers_of(found.modes.poles.real > 0)
     if growing:
         yield check_of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
@@ -98,7 +99,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_cycles(found)
     yield from check_multiples(found)
     yield from check_resolution(found)
-    yield from _left_out(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
+    yield from check_removed(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
     yield from check_parts(found)
     yield from check_rows(found)
     yield from check_pulses(found)
@@ -119,7 +120,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     if np.max(found.explained) >= LEAST_EXPLAINED:
         yield from _unexplained(found)
     yield from check_phases(found)
-    yield from _left_out(found, Reason.TONE, ModeCheck.STEADY_TONES, Level.NOTE)
+    yield from check_tones(found)
     if found.method != "ridge":
         yield from _idle_bandwidths(found)
     if np.any(found.loudness > 1):
@@ -262,22 +263,6 @@ def _left_by_a_mode(found: Identification, line: Hertz) -> bool:
     # High multiples are near every frequency.
     near = NEAR_A_MODE * np.outer(loud[loud > 0], np.minimum(orders, LOW_ORDER))
     return bool(np.any(off < np.maximum(near, 3 * resolution_hz)))
-
-
-def _left_out(found: Identification, reason: Reason, check: ModeCheck, level: Level) -> Iterator[Check]:
-    """Check that nothing was removed with the fit for a reason."""
-    poles = [c.pole for c in found.considered if c.removed and c.remark.code is reason]
-    if poles:
-        hertz = ", ".join([f"{abs(pole) / (2 * np.pi):.4g}" for pole in poles[:4]] + ["…"] * (len(poles) > 4))
-        yield check_of(check, level, {"number": len(poles), "hertz": hertz})
-
-
-def _dropped(found: Identification) -> Iterator[Check]:
-    """Check that no significant pole was left out because fewer modes were asked for."""
-    beyond = [abs(c.pole) / (2 * np.pi) for c in found.considered if c.remark.code is Reason.BEYOND]
-    if beyond:
-        hertz = ", ".join(f"{value:.4g}" for value in beyond)
-        yield check_of(ModeCheck.DROPPED, Level.CARE, {"number": len(beyond), "hertz": hertz})
 
 
 def verdict_of_repeats(repeats: Repeats, level: Ratio = LEVEL) -> Verdict:

@@ -139,6 +139,14 @@ def _gappy_channel(numbers: Numbers) -> str:
     ).format_map(numbers)
 
 
+def _spikes(numbers: Numbers) -> str:
+    if "off" in numbers:
+        where = "{off:.4g} or more off the samples beside them, which a smooth motion goes through"
+    else:
+        where = "beyond {least:.4g}, while {share:g} % of all are within {within:.4g}"
+    return f"{numbers['samples']} single samples {where.format_map(numbers)}{AS_MISSING}"
+
+
 def _sentinel(numbers: Numbers) -> str:
     what = _count(numbers, "sample")
     if "value" in numbers:
@@ -311,10 +319,7 @@ class Defect(Code):
     )
     SET_BACK = "set back clock", _set_back
     SENTINEL = "sentinel", _sentinel
-    SPIKES = (
-        "spikes",
-        "{samples} single samples beyond {least:.4g}, while {share:g} % of all are within {within:.4g}" + AS_MISSING,
-    )
+    SPIKES = "spikes", _spikes
     DROPOUT = "dropout", _dropout
     MISSING = "missing", _missing
     CLIPPED = "clipped", _clipped

@@ -332,6 +332,24 @@ class ModeCheck(Code):
             )
         ),
     )
+    FADING_TONES = (
+        "fading tones",
+        sentence(
+            lambda n: (
+                f"A slow mode may be missing: motion at {n['hertz']} Hz begins with the decay or fades within it, but "
+                f"loses too little to tell a mode from a tone. It was removed with the fit; a longer record tells."
+            )
+        ),
+    )
+    BEGUN_TONES = (
+        "begun tones",
+        sentence(
+            lambda n: (
+                f"{n['number']} tones ({n['hertz']} Hz) begin with the decay and do not fade: the motion is still "
+                f"driven, or is none of modes, and the fit follows it."
+            )
+        ),
+    )
     AMPLITUDE = (
         "amplitude",
         sentence(

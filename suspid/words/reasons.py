@@ -8,7 +8,18 @@ from suspid.words.remarks import Code, sentence
 class Reason(Code):
     """Why a pole is not among the modes."""
 
-    TONE = "tone", "steady tone: no decay is seen within the record"
+    TONE = (
+        "tone",
+        sentence(
+            lambda n: (
+                f"a slow mode or a tone that fades: it loses {100 * float(str(n['share'])):.3g} % within the record"
+                if "share" in n
+                else "a slow mode or a tone: it begins with the decay, and is not seen to fade within it"
+                if "begun" in n
+                else "steady tone: no decay is seen within the record"
+            )
+        ),
+    )
     DRIFT = "drift", "drift: it decays more slowly than the record lasts"
     GROWING = "growing", "it grows"
     LINE = "line", "part of a steady line: rotating parts of varying speed"

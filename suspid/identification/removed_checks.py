@@ -1,0 +1,49 @@
+"""Checks of what was removed from a record with the fit, and is not among the modes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.identification.mode_checks import check_of
+from suspid.words import Check, Level, ModeCheck, Reason
+
+if TYPE_CHECKING:
+    from suspid.identification.identification import Identification
+
+# As many tones that begin with a decay are no slow modes: faster ones would have been seen to decay.
+MANY_TONES = 3
+
+
+def check_tones(found: Identification) -> Iterator[Check]:
+    """Check that no tone was removed with the fit: one that fades may be a mode."""
+    tones = [c for c in found.considered if c.removed and c.remark.code is Reason.TONE]
+    begun = [c.pole for c in tones if "begun" in c.remark.numbers]
+    if len(begun) >= max(MANY_TONES, len(found.modes)):
+        yield from _named(begun, ModeCheck.BEGUN_TONES, Level.DOUBTFUL)
+    else:
+        fading = [c.pole for c in tones if c.remark.numbers]
+        yield from _named(fading, ModeCheck.FADING_TONES, Level.CARE)
+    yield from _named([c.pole for c in tones if not c.remark.numbers], ModeCheck.STEADY_TONES, Level.NOTE)
+
+
+def check_removed(found: Identification, reason: Reason, check: ModeCheck, level: Level) -> Iterator[Check]:
+    """Check that nothing was removed with the fit for a reason."""
+    poles = [c.pole for c in found.considered if c.removed and c.remark.code is reason]
+    yield from _named(poles, check, level)
+
+
+def _named(poles: Sequence[complex], check: ModeCheck, level: Level) -> Iterator[Check]:
+    if poles:
+        hertz = ", ".join([f"{abs(pole) / (2 * np.pi):.4g}" for pole in poles[:4]] + ["…"] * (len(poles) > 4))
+        yield check_of(check, level, {"number": len(poles), "hertz": hertz})
+
+
+def check_dropped(found: Identification) -> Iterator[Check]:
+    """Check that no significant pole was left out because fewer modes were asked for."""
+    beyond = [abs(c.pole) / (2 * np.pi) for c in found.considered if c.remark.code is Reason.BEYOND]
+    if beyond:
+        hertz = ", ".join(f"{value:.4g}" for value in beyond)
+        yield check_of(ModeCheck.DROPPED, Level.CARE, {"number": len(beyond), "hertz": hertz})
