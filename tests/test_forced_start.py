@@ -33,9 +33,8 @@ def identified(
     modes = ModalSet.from_wn_zeta(
         wn, np.full(len(wn), 0.1), wn_std=np.asarray(std) * wn, zeta_std=0.01 * np.ones(len(wn))
     )
-    return cast(
-        "Identification", SimpleNamespace(modes=modes, _residual=residual, noise_std=np.full(len(channels), NOISE))
-    )
+    fields = {"noise_std": np.full(len(channels), NOISE), "halves": np.zeros(len(modes))}
+    return cast("Identification", SimpleNamespace(modes=modes, _residual=residual, _response=residual, **fields))
 
 
 def starts(before: RealArray, std: Sequence[float] = (0.001, 0.001, 0.05), **more: Sequence[str]) -> list[float]:

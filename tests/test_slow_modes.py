@@ -14,17 +14,20 @@ from suspid.records import as_response, cut
 from suspid.units import RealArray
 from suspid.words import Level, ModeCheck, Reason, Remark
 
-RATE, RELEASE = 500.0, 1.0
+RATE, RELEASE = 2000.0, 1.0
 HZ, ZETA = np.array([3.3, 21.0, 58.0]), np.array([0.005, 0.012, 0.015])
-SIZES = np.array([0.12, 1.0, 1.0])
+SLOW = 0.2
 
 
-def struck(seconds: float, *, seed: int = 0, noise: float = 0.02, hum: float = 0.0) -> tuple[RealArray, RealArray]:
+def struck(
+    seconds: float, *, seed: int = 0, noise: float = 0.1, hum: float = 0.0, rate: float = RATE, slow: float = SLOW
+) -> tuple[RealArray, RealArray]:
     """Return times and the motion of a beam that is struck after a rest; ``hum`` is of the slow mode's frequency."""
-    time = np.arange(0.0, RELEASE + seconds, 1 / RATE)
+    time = np.arange(0.0, RELEASE + seconds, 1 / rate)
     since = np.maximum(time - RELEASE, 0.0)
     w = 2 * np.pi * HZ[:, None]
-    motion = SIZES[:, None] * np.exp(-ZETA[:, None] * w * since) * np.sin(w * np.sqrt(1 - ZETA[:, None] ** 2) * since)
+    sizes = np.array([slow, 1.0, 1.0])[:, None]
+    motion = sizes * np.exp(-ZETA[:, None] * w * since) * np.sin(w * np.sqrt(1 - ZETA[:, None] ** 2) * since)
     turns = hum * np.sin(2 * np.pi * HZ[0] * time)
     white = noise * np.random.default_rng(seed).standard_normal(time.size)
     return time, np.sum(motion[0 if not hum else 1 :], axis=0) + turns + white
@@ -39,28 +42,37 @@ def written(path: Path, time: RealArray, motion: RealArray) -> Path:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_it_is_found_where_the_record_goes_on_after_the_fast_ones(seed: int, tmp_path: Path) -> None:
-    found = analyse(written(tmp_path / "beam.csv", *struck(8.0, seed=seed)))
-    assert found.verdict.level is Level.SOUND
+    found = analyse(written(tmp_path / "beam.csv", *struck(6.0, seed=seed)))
+    assert found.verdict.level > Level.DOUBTFUL
     np.testing.assert_allclose(found.modes.wn / (2 * np.pi), HZ, rtol=2e-3)
-    np.testing.assert_allclose(found.modes.zeta, ZETA, rtol=0.15)
+    np.testing.assert_allclose(found.modes.zeta, ZETA, rtol=0.25)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_start_a_few_samples_before_the_blow_adds_no_modes(seed: int, tmp_path: Path) -> None:
+    time, motion = struck(8.0, seed=seed, noise=0.05, rate=1000.0, slow=0.1)
+    found = analyse(written(tmp_path / "beam.csv", time, motion))
+    assert found.verdict.level > Level.DOUBTFUL
+    np.testing.assert_allclose(found.modes.wn / (2 * np.pi), HZ, rtol=2e-3)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_hum_that_was_there_before_stays_a_tone(seed: int, tmp_path: Path) -> None:
-    found = analyse(written(tmp_path / "hum.csv", *struck(8.0, seed=seed, hum=0.12)))
-    assert found.verdict.level is Level.SOUND
+    found = analyse(written(tmp_path / "hum.csv", *struck(6.0, seed=seed, hum=0.2)))
+    assert found.verdict.level > Level.DOUBTFUL
+    assert not any(check.remark.code is ModeCheck.FADING_TONES for check in found.verdict.checks)
     np.testing.assert_allclose(found.modes.wn / (2 * np.pi), HZ[1:], rtol=2e-3)
 
 
 def test_what_a_short_record_shows_of_it_calls_for_care(tmp_path: Path) -> None:
-    found = analyse(written(tmp_path / "short.csv", *struck(1.5)))
+    found = analyse(written(tmp_path / "short.csv", *struck(1.5, noise=0.08)))
     assert found.verdict.level is Level.CARE
     (said,) = [check for check in found.verdict.checks if check.remark.code is ModeCheck.FADING_TONES]
-    assert str(said).startswith("A slow mode may be missing: motion at 3.3")
+    assert str(said).startswith("A slow mode may be missing: motion at 3.")
 
 
 def of_part(hum: float, *, first: float = 0.0) -> Identification:
-    time, motion = struck(1.0, noise=0.05, hum=hum)
+    time, motion = struck(1.0, noise=0.16, hum=hum)
     record = as_response(time, motion[None], ["tip"])
     part = identify(cut(record, start=RELEASE))
     return with_begun_tones(part, cut(record, start=first))
@@ -75,7 +87,7 @@ class TestBegun:
         assert tone.numbers == {"begun": True}
 
     def test_what_was_there_before(self) -> None:
-        (tone,) = self.tones(of_part(0.12))
+        (tone,) = self.tones(of_part(0.2))
         assert not tone.numbers
 
     def test_two_cycles_before_do_not_tell(self) -> None:
@@ -83,9 +95,9 @@ class TestBegun:
         assert not tone.numbers
 
     def test_a_hum_that_jumps_in_phase_is_another(self) -> None:
-        time, motion = struck(1.0, noise=0.05, hum=0.12)
+        time, motion = struck(1.0, noise=0.16, hum=0.2)
         other, _ = struck(1.0, noise=0.0)
-        turned = 0.12 * (np.sin(2 * np.pi * HZ[0] * other + 2.0) - np.sin(2 * np.pi * HZ[0] * other))
+        turned = 0.2 * (np.sin(2 * np.pi * HZ[0] * other + 2.0) - np.sin(2 * np.pi * HZ[0] * other))
         record = as_response(time, (motion + np.where(other < RELEASE, turned, 0.0))[None], ["tip"])
         (tone,) = self.tones(with_begun_tones(identify(cut(record, start=RELEASE)), record))
         assert tone.numbers == {"begun": True}
@@ -93,7 +105,7 @@ class TestBegun:
 
 @pytest.fixture(scope="module")
 def found() -> Identification:
-    time, motion = struck(8.0)
+    time, motion = struck(6.0)
     return identify(cut(as_response(time, motion[None], ["tip"]), start=RELEASE))
 
 

@@ -12,7 +12,7 @@ from suspid.units import RealArray
 from suspid.words import Defect
 
 STEP = 0.005
-T = np.arange(3000) * STEP
+T = np.arange(3000, dtype=np.float64) * STEP
 MODES = np.array([-0.2 + 9.4j, -0.5 + 46.0j])
 SOME = np.array([40, 200, 395, 700, 1111, 1500, 1501 + 300, 2222, 2990])
 

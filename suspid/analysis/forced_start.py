@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import Identification
+from suspid.identification import Identification, flashes
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -24,12 +24,18 @@ PERIODS_LATER = (0.25, 0.5, 1.0, 1.5)
 # The record is driven before the decay if it moves by this many times the noise from `PERIODS_BEFORE` periods to half a
 # period before the start: a bump is shorter, and a held mass only shows the noise.
 DRIVEN_BEFORE, PERIODS_BEFORE, SLOW_RELEASE = 10.0, 2.0, 0.2
+# What is over in a few samples is left out by a start where it has fallen by these [neper].
+FLASH_OVER = (1.0, 3.0)
 # A mode is the same if its pole lies within this share of its modulus.
 SAME_POLE = 0.05
 
 
 def later_starts(record: control.TimeResponseData, found: Identification) -> Iterator[Second]:
-    """Yield how much later a decay may begin: nothing where no mode stands for a force before it."""
+    """Yield how much later a decay may begin: nothing where no mode stands for a force before it, or for the start."""
+    brief = flashes(found)
+    if brief.any() and not brief.all():
+        # The search for decays may begin one a few samples before its release.
+        yield from (nepers / float(np.min(-found.modes.poles.real[brief])) for nepers in FLASH_OVER)
     hardly = _hardly_known(found)
     if not hardly.any() or hardly.all():
         return
@@ -40,7 +46,7 @@ def later_starts(record: control.TimeResponseData, found: Identification) -> Ite
 
 def freed(found: Identification, later: Identification) -> bool:
     """Return whether a later start has the modes that are well known, and no others."""
-    kept = found.modes.poles[~_hardly_known(found)]
+    kept = found.modes.poles[~(_hardly_known(found) | flashes(found))]
     if len(later.modes) != len(kept):
         return False
     apart = np.abs(kept[:, None] - later.modes.poles)

@@ -68,6 +68,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
         sounder = _sounder(record, best, settings)
         best = sounder if sounder.used == best.used else longer(record, sounder, settings)
         free = _once_free(record, best, settings)
+        free = free if free.used == best.used else longer(record, free, settings)
         return until_one_rests(record, free, settings)
     decays = find_decays(record)
     if not decays:

@@ -19,6 +19,7 @@ from suspid.identification.identify import identify, identify_linear
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.identification.mode_checks import CYCLES_SEEN as CYCLES_SEEN
 from suspid.identification.mode_checks import cycles_seen as cycles_seen
+from suspid.identification.mode_checks import flashes as flashes
 from suspid.identification.mode_checks import swings_many_times as swings_many_times
 from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json, write_modes
 from suspid.identification.noise import (

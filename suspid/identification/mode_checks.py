@@ -163,13 +163,18 @@ def check_pulses(found: Identification) -> Iterator[Check]:
 
 def check_flashes(found: Identification) -> Iterator[Check]:
     """Check that no mode is over in a few samples, long before the others have begun to decay."""
+    brief = flashes(found)
+    if np.any(brief):
+        yield check_of(ModeCheck.FLASH, Level.DOUBTFUL, {"modes": numbers_of(brief)})
+
+
+def flashes(found: Identification) -> NDArray[np.bool_]:
+    """Return which modes are over in a few samples, long before the others have begun to decay, (mode,)."""
     poles, step = found.modes.poles, as_signal(held(found, "response")).step
     falls = -poles.real
     brief = (poles.imag > 0) & (falls * step > 1 / FLASH_SAMPLES) & ~np.isfinite(found.halves)
     brief &= np.abs(poles.imag) < 2 * np.pi * FLASH_CYCLES * falls
-    brief &= falls * FLASH_TIME > np.min(falls, initial=np.inf)
-    if np.any(brief):
-        yield check_of(ModeCheck.FLASH, Level.DOUBTFUL, {"modes": numbers_of(brief)})
+    return np.asarray(brief & (falls * FLASH_TIME > np.min(falls, initial=np.inf)))
 
 
 def check_followed(found: Identification) -> Iterator[Check]:
