@@ -8,15 +8,15 @@ import pytest
 
 from suspid import Identification, analyse, identify
 from suspid.analysis.choice import explained_by_forces, with_few_cycles
-from suspid.analysis.longer import _from, _shows_more, longest, shared_modes
+from suspid.analysis.longer import _from, _shows_more, _tells_tones, longest, shared_modes
 from suspid.analysis.used import used_of
 from suspid.decays import find_decays
-from suspid.identification import ForceKind
+from suspid.identification import Considered, ForceKind
 from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear import choice, motion, search, structure
 from suspid.identification.nonlinear.feedback import Record
 from suspid.records import as_response, cut
-from suspid.words import DecayDoubt, Reason, Remark
+from suspid.words import DecayDoubt, Level, Reason, Remark
 from validation import rigs
 
 
@@ -235,3 +235,52 @@ def test_a_start_behind_the_hold_makes_no_longer_decay(monkeypatch: pytest.Monke
     for start, is_longer in ((end.start + 0.02, False), (end.start - 0.02, True)):
         monkeypatch.setattr("suspid.analysis.longer._earlier", lambda *_, s=start: iter((replace(end, start=s),)))
         assert (longest(record, used_of(record, decays, end)) is not None) is is_longer
+
+
+class TestTonesThatFade:
+    """Two close modes of a frame; to a part that is too short, one of them is a tone."""
+
+    @staticmethod
+    def parts(*, rough: float = 0.0) -> tuple[Identification, Identification]:
+        time = np.arange(6000) / 100
+        first, second = (np.exp(-z * w * time) * np.cos(w * time) for w, z in ((9.0, 0.002), (9.4, 0.002)))
+        rng = np.random.default_rng(1)
+        other = rough * np.convolve(rng.standard_normal(time.size), np.ones(9) / 9, "same")
+        values = np.array([first + 0.3 * second, 0.4 * first - second]) + 1e-3 * rng.standard_normal((2, time.size))
+        record = as_response(time, values + other, ["x", "y"])
+        whole, part = identify(record), identify(cut(record, stop=20.0))
+        tone = Considered(pole=complex(part.modes.poles[0]), remark=Remark(Reason.TONE), removed=True)
+        return whole, replace(part, modes=part.modes[1:], considered=(tone,))
+
+    def test_are_modes_of_the_longer_decay_although_it_leaves_more_than_noise(self) -> None:
+        whole, part = self.parts(rough=0.1)
+        assert len(whole.modes) == 2
+        assert np.max(whole.loudness) > 1
+        assert _tells_tones(whole, part)
+        assert _shows_more(whole, part)
+
+    def test_without_a_tone_there_or_with_other_modes_it_tells_nothing_of_it(self) -> None:
+        whole, part = self.parts()
+        assert not _tells_tones(whole, replace(part, considered=()))
+        away = replace(part.considered[0], pole=part.considered[0].pole * 1.1)
+        assert not _tells_tones(whole, replace(part, considered=(away,)))
+        assert not _tells_tones(replace(whole, modes=whole.modes[:1]), part)
+        assert whole.modes.wn_std is not None
+        unsure = replace(whole.modes, covariance=1e12 * np.asarray(whole.modes.covariance))
+        assert not _tells_tones(replace(whole, modes=unsure), part)
+
+
+@pytest.mark.parametrize("angle", [0.9, 0.3])
+def test_two_close_modes_of_a_frame_that_creeps_back(angle: float, tmp_path: Path) -> None:
+    """They beat to the end of the record: no band rises above the others, and the creep is the largest event."""
+    time = np.arange(0.0, 26.15, 0.005)
+    since, creep = np.maximum(time - 2.05, 0.0), 0.04 * np.exp(-3 * time / time[-1])
+    ends = ((np.cos(angle), 8.18, 0.0016), (np.sin(angle), 8.2716, 0.0048))
+    one, other = (a * np.exp(-z * 2 * np.pi * f * since) * np.cos(2 * np.pi * f * since) for a, f, z in ends)
+    path = tmp_path / "frame.csv"
+    rows = np.stack([time, one + 0.15 * other + creep, 0.6 * other - 0.1 * one + creep], axis=1)
+    np.savetxt(path, rows, delimiter=",", header="time [s],x [m],y [m]", comments="", fmt="%.9g")
+    found = analyse(path)
+    np.testing.assert_allclose(found.modes.wn / (2 * np.pi), [8.18, 8.2716], rtol=1e-3)
+    np.testing.assert_allclose(found.modes.zeta, [0.0016, 0.0048], rtol=0.02)
+    assert found.verdict.level > Level.DOUBTFUL

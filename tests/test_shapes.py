@@ -12,7 +12,7 @@ from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import Problem
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
-from suspid.identification.shapes import SHAPE_LEVEL, same_shape
+from suspid.identification.shapes import SHAPE_LEVEL, same_shape, within_shapes
 from suspid.records import as_response
 
 Complex = NDArray[np.complex128]
@@ -96,3 +96,42 @@ class TestHeavilyDampedModes:
         assert found.wn_std is not None
         assert found.zeta_std is not None
         assert np.all(np.abs(np.sort(found.wn) - wn) < 4 * found.wn_std)
+
+
+# A third mode a linewidth beside two that are a tenth of one apart.
+THREE: Complex = np.array([-0.012 + 0.24j, -0.0125 + 0.26j, -0.0128 + 0.2612j])
+SHAPES: Complex = np.array(
+    [[1.0, -0.6, 0.3, 0.5, 0.1], [0.4, 0.9, -0.7, 0.2, 0.6], [-0.8, 0.1, 0.5, 0.7, 0.9]], complex
+)
+
+
+class TestWithinShapes:
+    @staticmethod
+    def within(amplitudes: Complex, *, seed: int, std: float = 1e-3) -> bool:
+        values = decays(THREE, amplitudes.T) + white(seed, std, amplitudes.shape[1])
+        blocks = blocks_of(values - values.mean(axis=1, keepdims=True))
+        start = Poles(pairs=THREE, reals=np.zeros(0), nuisances=np.zeros(1))
+        fit = maximize(blocks, start, WhiteNoise(least=np.full(len(values), 1e-20)))
+        assert fit is not None
+        return within_shapes(fit, 0, (1, 2), colour=1.0)
+
+    def test_level(self) -> None:
+        """A sum of the shapes of the others is called another mode with the probability of the level, or less."""
+        records, summed = 200, np.array([0.7 * SHAPES[1] - (0.4 + 0.2j) * SHAPES[2], *SHAPES[1:]])
+        wrong = sum(not self.within(summed, seed=seed) for seed in range(records))
+        assert bdtrc(wrong - 1, records, SHAPE_LEVEL) > 1e-3 or wrong == 0
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_a_third_shape_is_another_mode(self, seed: int) -> None:
+        assert not self.within(SHAPES, seed=seed)
+
+    def test_two_channels_do_not_tell(self) -> None:
+        assert self.within(SHAPES[:, :2], seed=1)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_two_modes_far_within_a_linewidth_beside_a_third_are_three(seed: int) -> None:
+    """Alone, each of the shapes of the two is hardly known, and could be that of the third."""
+    values = decays(THREE, SHAPES.T) + white(seed, 3e-3, 5)
+    found = identify(as_response(0.01 * np.arange(COUNT), values, list("abcde")))
+    np.testing.assert_allclose(np.sort(found.modes.wn), np.sort(np.abs(THREE)) / 0.01, rtol=2e-3)

@@ -12,7 +12,7 @@ from suspid.decays.doubts import clipped_samples, doubts_of, doubts_of_backgroun
 from suspid.decays.kinds import kind_of
 from suspid.decays.refusals import fits, refused
 from suspid.decays.starts import find_start
-from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried, with_all_motion
 from suspid.decays.verification import verified
 from suspid.records import as_response
 from suspid.signals import Signal, block_means
@@ -307,3 +307,21 @@ class TestStart:
         assert doubt is not None
         assert doubt.code is DecayDoubt.MODES_MISSING
         assert doubt.numbers["hertz"] == pytest.approx((1.5,), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("hertz", "noise", "size"),
+    [
+        (8.2, 0.0, 4),
+        (8.2, 0.2, 4),
+        (0.8, 0.0, 19),
+        # Most of what is within a block is noise: it does not go on from sample to sample.
+        (0.8, 2.0, 19),
+    ],
+)
+def test_blocks_keep_the_motion_of_a_stretch_whatever_its_frequency(hertz: float, noise: float, size: int) -> None:
+    """At 200 Hz, 19 samples are a cycle of 10.5 Hz: their means lose two thirds of the energy of 8.2 Hz."""
+    time = np.arange(5000) / 200
+    values = np.cos(2 * np.pi * hertz * time) + noise * np.random.default_rng(1).standard_normal(time.size)
+    assert with_all_motion(values[None], 19) == size
+    assert with_all_motion(np.stack([0 * time, values]), 19) == size

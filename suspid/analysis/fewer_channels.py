@@ -13,6 +13,7 @@ from suspid.analysis.choice import FAR_FROM_NOISE, level_of
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import shared_modes, with_identification
 from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.swelling import left_by_modes
 from suspid.analysis.used import Used, without_channels
 from suspid.cleaning import is_clipped
@@ -37,6 +38,8 @@ STRAY, TRIED_ALONE = 0.1, 2
 FAR_CLOSER = 2.0
 # A channel that moves at the frequency of a mode shows another one where this share of its energy is not that mode's.
 ANOTHER = 0.02
+# Modes are close whose frequencies are within this factor: pitch and bounce of a car.
+CLOSE = 1.4
 # Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
 SHOWN_ALONE = (2, 3)
 
@@ -74,7 +77,8 @@ def with_fewer_channels(
         if again is None or multiples_alone(found.modes, again.modes):
             continue
         out = tuple(name for name in names if name not in kept)
-        if _otherwise(of_channels(record, out), again):
+        others = of_channels(record, out)
+        if _otherwise(others, again) or _loses_a_close_mode(others, again, found):
             continue
         level = level_of(again, fewer.used, fewer.decays)
         clearer = level > before if before <= Level.DOUBTFUL else level >= before and _far_closer(again, found)
@@ -103,6 +107,26 @@ def _otherwise(others: control.TimeResponseData, found: Identification) -> bool:
     left = left_by_modes(together, found.modes, beside=(*own, *np.gradient(own, axis=1)))
     own_left = 1 - float(np.min(found.explained))
     return bool(np.any(near & (beside < STRAY) & (left - beside > max(ANOTHER, FAR_CLOSER * own_left))))
+
+
+def _loses_a_close_mode(others: control.TimeResponseData, fewer: Identification, found: Identification) -> bool:
+    """Return whether fewer channels show fewer modes near each other, and the others tell that there are more.
+
+    Close modes have shapes: what tells one from the next is how several channels move.
+    """
+    swing = found.modes[(found.modes.poles.imag > 0) & (found.modes.zeta < NO_CYCLE)]
+    of_all, of_fewer = (
+        np.sum(np.abs(np.log(modes.wn[:, None] / fewer.modes.wn)) < np.log(CLOSE), axis=0)
+        for modes in (swing, fewer.modes)
+    )
+    if not np.any(of_all > of_fewer):
+        return False
+    ours, theirs = (as_signal(held(each, "response")) for each in (fewer, found))
+    motion = as_signal(
+        cut(others, start=max(ours.start, theirs.start), stop=float(min(ours.timepts[-1], theirs.timepts[-1])))
+    )
+    left, least = (left_by_modes(motion, modes) for modes in (fewer.modes, found.modes))
+    return bool(np.any((least < STRAY) & (left > FAR_CLOSER * least)))
 
 
 def _louder(fewer: Identification, found: Identification) -> bool:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import Identification, flashes
+from suspid.identification import FORCED, Identification, flashes
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -42,6 +42,15 @@ def later_starts(record: control.TimeResponseData, found: Identification) -> Ite
     period = 2 * np.pi / float(np.min(found.modes.wn[~hardly]))
     if _driven_before(record, found, period):
         yield from (share * period for share in PERIODS_LATER)
+
+
+def behind_blow(found: Identification) -> Second | None:
+    """Return how much later motion begins than what was identified, where its first samples are of a blow; else None.
+
+    The poles that stand for a blow are gone by then.
+    """
+    brief = [-c.pole.real for c in found.considered if c.removed and c.remark.code in FORCED and c.pole.real < 0]
+    return FLASH_OVER[-1] / min(brief) if brief else None
 
 
 def freed(found: Identification, later: Identification) -> bool:

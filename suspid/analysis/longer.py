@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from suspid.analysis.choice import explained_by_forces, explains, settled, settled_by_forces, tried, with_few_cycles
 from suspid.analysis.far_larger import only_the_end
-from suspid.analysis.forced_start import SAME_POLE
+from suspid.analysis.forced_start import SAME_POLE, behind_blow
 from suspid.analysis.settings import Settings
 from suspid.analysis.swelling import beats
 from suspid.analysis.used import Used, used_of
@@ -20,6 +20,7 @@ from suspid.decays import LITTLE, Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification
 from suspid.levels import NORMAL_95
 from suspid.records import cut, of_channels
+from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.words import DecayDoubt, Level, Reason
@@ -51,7 +52,7 @@ OF_LENGTH = LITTLE | {DecayDoubt.CUT_OFF}
 def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
     """Return the longer decay of which the best one is a part, if that shows more of its modes."""
     for decay in _earlier(record, best):
-        more = with_identification(used_of(record, best.decays, decay), settings)
+        more = _behind_blow(record, best, decay, settings)
         if more.identification is None:
             continue
         shown = best.identification is None and _shows_all(more.identification, best.used[0])
@@ -89,6 +90,16 @@ def longest(record: control.TimeResponseData, best: Used) -> Used | None:
 def with_identification(used: Used, settings: Settings) -> Used:
     """Return the part of a record that is used with what is identified in it."""
     return replace(used, identification=used.identification or tried(used.record, settings))
+
+
+def _behind_blow(record: control.TimeResponseData, best: Used, decay: Decay, settings: Settings) -> Used:
+    """Return what is identified in a decay, from behind the blow at its start on where that leaves only noise."""
+    used = with_identification(used_of(record, best.decays, decay), settings)
+    late = None if used.identification is None else behind_blow(used.identification)
+    if late is None or late > EARLIER * _period(decay):
+        return used
+    free = with_identification(used_of(record, best.decays, replace(decay, start=decay.start + late)), settings)
+    return free if free.identification is not None and settled(free.identification) else used
 
 
 def _released(record: control.TimeResponseData, used: Decay, first: Second) -> tuple[Second, ...]:
@@ -188,6 +199,8 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     """
     if longer.verdict.level is Level.DOUBTFUL:
         return found is not None and found.verdict.level is Level.DOUBTFUL and _with_fewer(longer, found)
+    if found is not None and _tells_tones(longer, found):
+        return True
     traced = found is not None and any(c.remark.code is Reason.TRACE for c in found.considered)
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL or traced:
         return settled(longer) or explained_by_forces(longer) or beats(longer) > 0
@@ -205,6 +218,18 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
     kept = bool(np.all(same)) or explains(longer, found)
     more = _known(longer) - _known(found)
     return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
+
+
+def _tells_tones(longer: Identification, found: Identification) -> bool:
+    """Return whether a longer decay shows that a tone of a part fades: it has a mode there, and those of the part."""
+    tones = [c.pole for c in found.considered if c.removed and c.remark.code is Reason.TONE]
+    modes = longer.modes
+    if not tones or not 0 < len(found.modes) < len(modes) or modes.wn_std is None:
+        return False
+    there = np.abs(np.array([*found.modes.poles, *tones])[:, None].imag - modes.poles.imag)
+    finest = np.pi / as_signal(held(found, "response")).duration
+    same = np.all(np.min(there[: len(found.modes)], axis=1) < finest) and np.all(np.min(there, axis=0) < finest)
+    return bool(same and np.all(modes.wn_std < KNOWN_WN * modes.wn))
 
 
 def _with_fewer(longer: Identification, found: Identification) -> bool:

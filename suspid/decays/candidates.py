@@ -20,7 +20,7 @@ from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
 from suspid.decays.rests import decay_between
 from suspid.decays.starts import Start, find_start
-from suspid.decays.trials import Trial, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, block_size, quiet_variance, tried, with_all_motion
 from suspid.decays.verification import LATEST_START, verified
 from suspid.levels import ROUNDING
 from suspid.signals import Signal, block_means
@@ -151,6 +151,8 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
     part = chosen.signal
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
     fills = alone or 2 * (last - first) > signal.values.shape[1]
+    if fills and moving.size:
+        size = with_all_motion(part.values[:, first:last], size)
     clipped = chosen.clipped
     start, doubt = Start(begin=first, trial=None), None
     if moving.size:

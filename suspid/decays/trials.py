@@ -25,6 +25,9 @@ from suspid.words import Reason
 # Blocks per cycle of the highest band that rings: samples are averaged in blocks of that length. Fewer blocks damp the
 # highest mode; more cost time.
 BLOCKS_A_CYCLE = 8.0
+# Means over blocks lose at most this share of the energy of smooth motion: what is within a block is smooth if its
+# lag-1 correlation is above the second number; noise has none. One mode loses 5 % in eight blocks a cycle.
+MOST_LOST, GOES_ON = 0.2, 0.5
 # Blocks that a trial uses at most, the first ones: more cost time for what lies in the noise. Fewer than a record needs
 # samples are not fitted.
 MOST_BLOCKS = 600
@@ -134,6 +137,24 @@ def unexplained(motion: RealArray, residual: RealArray) -> RealArray:
 def block_size(step: Second, top: Hertz) -> int:
     """Return the number of samples per block where no band above a frequency rings."""
     return max(1, int(1 / (BLOCKS_A_CYCLE * top * step)))
+
+
+def with_all_motion(values: RealArray, size: int) -> int:
+    """Return a number of samples per block, at most a given one, whose means keep the motion of a stretch.
+
+    Where one motion fills a recording, no band rings above the others, whatever its frequency.
+    """
+    while size > 1:
+        count = min(values.shape[1] // size, MOST_BLOCKS)
+        blocks = values[:, : count * size].reshape(len(values), count, size)
+        means = blocks.mean(axis=2, keepdims=True)
+        lost = np.sum((blocks - means) ** 2, axis=(1, 2))
+        along = np.sum((blocks - means)[:, :, 1:] * (blocks - means)[:, :, :-1], axis=(1, 2))
+        every = np.sum((blocks - means.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2))
+        if not np.any((lost > MOST_LOST * every) & (along > GOES_ON * lost)):
+            break
+        size //= 2
+    return size
 
 
 def quiet_variance(means: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:

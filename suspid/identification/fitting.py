@@ -15,7 +15,7 @@ from suspid.identification.exponentials import Blocks, inner_products, synthesiz
 from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples
 from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_near
 from suspid.identification.poles import Poles
-from suspid.identification.shapes import same_shape
+from suspid.identification.shapes import same_shape, within_shapes
 from suspid.units import ComplexArray, Ratio, RealArray
 
 # Power near a pole over that of white noise from which on the gain of the pole is divided by it. The mean of 8
@@ -199,14 +199,23 @@ class Fit:
         apart[np.abs(wn[:, None] - wn) > np.log(OTHER_FREQUENCY)] = np.inf
         # What has gone within a few samples is no mode, whether one or two.
         apart[-every.real > MOST_DECAY] = np.inf
-        split = np.zeros(len(every), bool)
+        split, nearest = np.zeros(len(every), bool), np.argmin(apart, axis=1) if len(every) else np.zeros(0, int)
         near = np.flatnonzero(np.min(apart, axis=1, initial=np.inf) < BENT).tolist()
         # Of two that are next to each other, each is the other's nearest.
-        for one, other in sorted({tuple(sorted((one, int(np.argmin(apart[one]))))) for one in near}):
+        for one, other in sorted({tuple(sorted((one, int(nearest[one])))) for one in near}):
             if not (split[one] and split[other]):
-                colour = max(self.beside[one], self.beside[other])
-                split[[one, other]] |= same_shape(self.solution, one, other, colour=colour)
+                split[[one, other]] |= self._is_one_mode(one, other, nearest)
         return split
+
+    def _is_one_mode(self, one: int, other: int, nearest: NDArray[np.intp]) -> bool:
+        """Return whether two poles, of which one is the nearest of the other, could be one mode."""
+        colour = max(self.beside[one], self.beside[other])
+        if not same_shape(self.solution, one, other, colour=colour):
+            return False
+        mine, third = (one, nearest[other]) if nearest[other] != one else (other, nearest[one])
+        # Of a pole that has a nearer one, a shape of its own is hardly known: the plane of both is.
+        pair = (one + other - mine, int(third))
+        return third == mine or within_shapes(self.solution, mine, pair, colour=colour)
 
     @cached_property
     def loudness(self) -> RealArray:

@@ -51,6 +51,36 @@ def same_shape(fit: DecayFit, one: int, other: int, *, colour: Ratio) -> bool:
     return bool(statistic / colour < chdtri(freedom, SHAPE_LEVEL))
 
 
+def within_shapes(fit: DecayFit, one: int, others: tuple[int, int], *, colour: Ratio) -> bool:
+    """Return whether the shape of a free pole could be a sum of those of two others, which are near each other.
+
+    What is known of two such poles is the plane of their shapes; within it, each shape may be anything. The Wald
+    statistic of what is left of the amplitudes of one beside that plane is compared as in `same_shape`.
+    """
+    from scipy.special import chdtri
+
+    which = np.array([one, *others])
+    std = np.sqrt(fit.squares / fit.freedom + 1e-300)
+    amplitudes = fit.amplitudes[fit.poles.rows[which]] / std
+    channels = len(std)
+    if channels < 3:
+        return True
+    plane = amplitudes[1:].T
+    beside = np.linalg.qr(plane, mode="complete")[0][:, 2:].conj().T
+    weights = np.concatenate([[1.0], -np.linalg.lstsq(plane, amplitudes[0], rcond=None)[0]])
+    slopes = np.zeros((channels, channels, len(which)), complex)
+    at = np.arange(channels)
+    slopes[at, at] = weights / std[:, None]
+    by_amplitudes = beside @ np.stack([slopes, 1j * slopes], axis=-1).reshape(channels, -1)
+    noise, dragged = amplitude_errors(fit, which)
+    own, turned = (np.concatenate([each.real, each.imag]) for each in (by_amplitudes, by_amplitudes @ dragged))
+    of_poles = inverse_information(fit.information * (fit.freedom / fit.count))
+    covariance = own @ noise @ own.T + turned @ of_poles @ turned.T
+    value = beside @ amplitudes[0]
+    statistic, freedom = _wald(np.concatenate([value.real, value.imag]), covariance)
+    return bool(statistic / colour < chdtri(freedom, SHAPE_LEVEL))
+
+
 def _wald(value: RealArray, covariance: RealArray) -> tuple[float, int]:
     """Return the square of a value over its covariance, and the rank of the covariance: that of real poles is half."""
     scale = np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
