@@ -10,6 +10,7 @@ from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.sentinels import known, possible, without_sentinels
 from suspid.cleaning.spikes import without_spikes
+from suspid.cleaning.wraps import unwrapped
 from suspid.levels import UNLIKELY
 from suspid.stamps import Indices
 from suspid.units import Flags, RealArray
@@ -70,6 +71,8 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     huge = np.flatnonzero(np.abs(values) >= LARGEST_SIZE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
         findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": LARGEST_SIZE}, channel=name))
+    whole, wraps = unwrapped(name, times, whole)
+    findings += wraps
     repaired, sentinels = without_sentinels(name, times, whole)
     findings += sentinels
     repaired, spikes = without_spikes(name, times, repaired)

@@ -320,6 +320,12 @@ class Defect(Code):
     SET_BACK = "set back clock", _set_back
     SENTINEL = "sentinel", _sentinel
     SPIKES = "spikes", _spikes
+    WRAPPED = (
+        "wrapped",
+        sentence(
+            lambda n: f"wraps round at {n['turn']:.6g}, {_count(n, 'time')}; continued beyond, as the motion goes on"
+        ),
+    )
     DROPOUT = "dropout", _dropout
     MISSING = "missing", _missing
     CLIPPED = "clipped", _clipped
