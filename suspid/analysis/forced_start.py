@@ -26,6 +26,9 @@ PERIODS_LATER = (0.25, 0.5, 1.0, 1.5)
 DRIVEN_BEFORE, PERIODS_BEFORE, SLOW_RELEASE = 10.0, 2.0, 0.2
 # What is over in a few samples is left out by a start where it has fallen by these [neper].
 FLASH_OVER = (1.0, 3.0)
+# A mass is at rest for at least this many samples, and has moved where two in a row are this many standard deviations
+# of the noise from the mean of those before.
+FEWEST_AT_REST, MOVED = 3, 4.0
 # A mode is the same if its pole lies within this share of its modulus.
 SAME_POLE = 0.05
 
@@ -39,6 +42,9 @@ def later_starts(record: control.TimeResponseData, found: Identification) -> Ite
     hardly = _hardly_known(found)
     if not hardly.any() or hardly.all():
         return
+    rests = _rests_for(found)
+    if rests:
+        yield rests
     period = 2 * np.pi / float(np.min(found.modes.wn[~hardly]))
     if _driven_before(record, found, period):
         yield from (share * period for share in PERIODS_LATER)
@@ -65,6 +71,18 @@ def freed(found: Identification, later: Identification) -> bool:
 def _hardly_known(found: Identification) -> NDArray[np.bool_]:
     std = found.modes.wn_std
     return np.zeros(len(found.modes), bool) if std is None else np.asarray(std > HARDLY_KNOWN * found.modes.wn)
+
+
+def _rests_for(found: Identification) -> Second:
+    """Return for how long all channels of what was identified rest before they move; 0 where they move at once."""
+    signal = as_signal(held(found, "response"))
+    first = signal.values[:, : signal.values.shape[1] // 2]
+    # The mean of the samples before each one, from the third on.
+    means = np.cumsum(first, axis=1)[:, FEWEST_AT_REST - 1 : -1] / np.arange(FEWEST_AT_REST, first.shape[1])
+    moved = np.any(np.abs(first[:, FEWEST_AT_REST:] - means) > MOVED * found.noise_std[:, None], axis=0)
+    # Of white noise, one sample alone may be as far from the others.
+    both = np.flatnonzero(moved[:-1] & moved[1:])
+    return signal.step * (FEWEST_AT_REST + int(both[0])) if both.size and both[0] else 0.0
 
 
 def _driven_before(record: control.TimeResponseData, found: Identification, period: Second) -> bool:
