@@ -132,6 +132,6 @@ class TestWithinShapes:
 @pytest.mark.parametrize("seed", range(6))
 def test_two_modes_far_within_a_linewidth_beside_a_third_are_three(seed: int) -> None:
     """Alone, each of the shapes of the two is hardly known, and could be that of the third."""
-    values = decays(THREE, SHAPES.T) + white(seed, 3e-3, 5)
-    found = identify(as_response(0.01 * np.arange(COUNT), values, list("abcde")))
+    values: Real = decays(THREE, SHAPES.T) + white(seed, 3e-3, 5)
+    found = identify(as_response(np.arange(COUNT, dtype=np.float64) / 100, values, list("abcde")))
     np.testing.assert_allclose(np.sort(found.modes.wn), np.sort(np.abs(THREE)) / 0.01, rtol=2e-3)

@@ -20,7 +20,9 @@ def jumps(values: RealArray) -> int:
 
 
 class TestContinued:
-    @pytest.mark.parametrize(("turn", "digits"), [(2 * np.pi, 9), (2 * np.pi, 4), (360.0, 3), (4096.0, 0), (65536.0, 0)])
+    @pytest.mark.parametrize(
+        ("turn", "digits"), [(2 * np.pi, 9), (2 * np.pi, 4), (360.0, 3), (4096.0, 0), (65536.0, 0)]
+    )
     @pytest.mark.parametrize("start", [0.0, 0.3, -0.2])
     def test_the_motion_comes_back(self, turn: float, digits: int, start: float) -> None:
         """In parts of a turn, from a rest that is not where the range ends, too."""
@@ -69,7 +71,9 @@ def test_the_first_command_finds_the_mode(tmp_path: Path) -> None:
     since = np.maximum(T - 3.0, 0.0)
     angle = np.degrees(0.2 * np.exp(-0.04 * since) * np.cos(4.0 * since)) % 360
     path = tmp_path / "pendulum.csv"
-    np.savetxt(path, np.stack([T, np.round(angle, 2)], axis=1), delimiter=",", header="time [s],angle [deg]", comments="")
+    np.savetxt(
+        path, np.stack([T, np.round(angle, 2)], axis=1), delimiter=",", header="time [s],angle [deg]", comments=""
+    )
     found = analyse(path)
     assert any(finding.kind is Defect.WRAPPED for finding in found.cleaned.findings)
     assert found.modes.wn == pytest.approx([np.hypot(4.0, 0.04)], rel=1e-3)

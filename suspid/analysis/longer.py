@@ -203,7 +203,8 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
         return True
     traced = found is not None and any(c.remark.code is Reason.TRACE for c in found.considered)
     if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL or traced:
-        return settled(longer) or explained_by_forces(longer) or beats(longer) > 0
+        closer = found is not None and not traced and len(longer.modes) and np.all(longer.explained > found.explained)
+        return settled(longer) or explained_by_forces(longer) or beats(longer) > 0 or bool(closer)
     if not settled(longer):
         return False
     modes, few = found.modes, with_few_cycles(found)
@@ -260,8 +261,9 @@ def shared_modes(found: Sequence[Identification | None]) -> list[float]:
 
 
 def _from(decay: Decay, start: Second) -> Decay:
-    """Return a decay that begins earlier: what was said of few cycles was said of its end."""
-    return replace(decay, start=start, doubts=tuple(doubt for doubt in decay.doubts if doubt.code not in LITTLE))
+    """Return a decay that begins earlier: what was said of few cycles, and of a small part, was said of its end."""
+    of_end = LITTLE | {DecayDoubt.SMALL_PART}
+    return replace(decay, start=start, doubts=tuple(doubt for doubt in decay.doubts if doubt.code not in of_end))
 
 
 def _until(decay: Decay, stop: Second) -> Decay:

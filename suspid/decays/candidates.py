@@ -18,7 +18,7 @@ from suspid.decays.envelopes import Envelopes
 from suspid.decays.kinds import kind_of
 from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
-from suspid.decays.rests import decay_between
+from suspid.decays.rests import decay_between, rests_until
 from suspid.decays.starts import Start, find_start
 from suspid.decays.trials import Trial, block_size, quiet_variance, tried, with_all_motion
 from suspid.decays.verification import LATEST_START, verified
@@ -140,8 +140,8 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
     end = last
     if last > first:
         last = first + at_rest_from(signal.values[:, first:last], recording.finest)
-    released = released_at(signal.values[:, first:last], recording.finest) if moved and last > first else 0
-    first += released
+    released, rested = _rests(signal.values[:, first:last], recording.finest) if moved and last > first else (0, 0)
+    first += released + rested
     # Channels that are constant in the second half, such as the road after a step, take no part.
     later = signal.values[:, first + (last - first) // 2 : last]
     moving = np.zeros(0, np.intp)
@@ -191,6 +191,12 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
     )
     kind = kind_of(part, start.trial, first, start.begin) if moved else None
     return (_decay(part, start.trial, (start.begin, last), level=burst.level, kind=kind, doubts=doubts),), ()
+
+
+def _rests(values: RealArray, finest: RealArray) -> tuple[int, int]:
+    """Return the samples for which a mass is held still, or else for which it rests within noise."""
+    released = released_at(values, finest)
+    return (released, 0) if released else (0, rests_until(values))
 
 
 def _verified(part: Signal, start: Start, last: int, size: int) -> tuple[Start, Remark | None]:

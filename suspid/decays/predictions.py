@@ -12,6 +12,7 @@ import numpy as np
 from suspid.cleaning import runs
 from suspid.decays.envelopes import finest as finest_of
 from suspid.decays.envelopes import spectrum_and_noise
+from suspid.decays.rests import rests_until
 from suspid.decays.trials import BLOCKS_A_CYCLE, block_size
 from suspid.signals import Signal
 from suspid.units import Hertz, RealArray, Second
@@ -121,7 +122,8 @@ def releases_before(signal: Signal, time: Second) -> tuple[Second, ...]:
     finest = finest_of(signal.values)
     held, (_, forced) = released_at(signal.values, finest), freed_at(signal.values, finest, step=signal.step)
     # It is let go between the last sample that is held and the next.
-    firsts = [*([held + 1] if held else []), *([forced] if forced else [])]
+    left = 0 if held else rests_until(signal.values)
+    firsts = [*([held + 1] if held else []), *([left] if left else []), *([forced] if forced else [])]
     times = dict.fromkeys(signal.start + signal.step * sample for sample in firsts)
     return tuple(each for each in times if each < time)
 

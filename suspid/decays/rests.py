@@ -9,8 +9,13 @@ from suspid.errors import SuspidError
 from suspid.identification import Identification, identify
 from suspid.samples import as_samples, held
 from suspid.signals import Signal, as_signal
-from suspid.units import Decibel
+from suspid.units import Decibel, RealArray
 from suspid.words import DecayDoubt, Remark
+
+# A rest is of at least this many samples; it is left where two in a row are this many standard deviations from its
+# mean. The motion that follows is this many times as large as they. A motion that begins with the first sample is never
+# as far from its own mean.
+FEWEST_OF_REST, FAR_FROM_REST, MUCH_FURTHER = 12, 5.0, 30.0
 
 
 def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Decay | None:
@@ -25,6 +30,38 @@ def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Dec
     if not found.forces:
         return None
     return as_decay(found, part, (first, last), level=level)
+
+
+def rests_until(values: RealArray) -> int:
+    """Return the first sample (channel, sample) that has left a rest at the start, within noise; 0 without such a rest.
+
+    There a channel is far from the mean of all samples before, and so is the next one; then it moves much further.
+
+    Examples
+    --------
+    >>> noise = 0.01 * np.random.default_rng(1).standard_normal(400)
+    >>> held = np.where(np.arange(400) < 150, 1.0, np.cos(0.1 * (np.arange(400) - 150)))
+    >>> rests_until((held + noise)[None]), rests_until((held + noise)[None, 150:])
+    (153, 0)
+    """
+    first = values[:, : values.shape[1] // 2]
+    if first.shape[1] <= FEWEST_OF_REST:
+        return 0
+    about = first - first[:, :1]
+    counts = np.arange(1, about.shape[1])
+    means = np.cumsum(about, axis=1)[:, :-1] / counts
+    squares = np.cumsum(about**2, axis=1)[:, :-1] / counts
+    spread = np.sqrt(np.maximum(squares - means**2, 0.0))
+    away = np.abs(about[:, 1:] - means) > FAR_FROM_REST * spread
+    both = away[:, :-1] & away[:, 1:]
+    both[:, : FEWEST_OF_REST - 1] = False
+    channel, sample = np.nonzero(both)
+    if not sample.size:
+        return 0
+    at = int(np.argmin(sample))
+    start = int(sample[at]) + 1
+    further = np.ptp(values[channel[at]]) > MUCH_FURTHER * spread[channel[at], start - 1]
+    return start if further else 0
 
 
 def as_decay(
