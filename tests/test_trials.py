@@ -159,6 +159,20 @@ class TestNoiseOfARecording:
         (doubt,) = doubts_of_background(block_means(values, 2), found, size=2, length=600)
         assert doubt.code is DecayDoubt.BACKGROUND
 
+    def test_what_rings_on_from_earlier_releases_is_no_background(self) -> None:
+        """Three releases, the later ones before the motion has met the noise: it moves at the mode most of the time."""
+        from scipy.signal import lfilter
+
+        pole = np.exp(complex(POLE.real / 3, POLE.imag) * STEP)
+        struck = np.zeros(2400)
+        struck[[500, 1200, 1900]] = 1.0
+        rings = lfilter([1.0, -pole.real], [1.0, -2 * pole.real, abs(pole) ** 2], struck)
+        values = np.outer([1.0, -0.5], rings) + 1e-3 * noise(9, 2400)
+        found = trial(values[:, 1900:])
+        ratio = background_ratio(block_means(values, 2), found, size=2, length=500)
+        assert 10 * np.log10(ratio[0]) < 6
+        assert doubts_of_background(block_means(values, 2), found, size=2, length=500) == ()
+
 
 class TestRefusals:
     def test_a_decay_is_not_refused(self) -> None:

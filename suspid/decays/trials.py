@@ -190,12 +190,20 @@ def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) 
     stretches = means.shape[1] // max(length // size, blocks)
     if stretches < FEWEST_STRETCHES:
         return np.ones(len(trial.modes))
-    parts = means[:, : stretches * blocks].reshape(len(means), stretches, blocks)
     window = np.hanning(blocks)
     fit, rows = trial.selection.fit, trial.modes
     turns = np.exp(-1j * np.arange(blocks)[:, None] * fit.poles.pairs[rows].imag) * window[:, None]
-    power = np.abs((parts - parts.mean(axis=2, keepdims=True)) @ turns) ** 2
-    white = trial.noise_std[:, None] ** 2 * float(window @ window)
+    # What rings on from an earlier release is free motion, too, and no force: it falls as the decay does.
+    courses = np.exp(fit.poles.pairs[rows][:, None] * np.arange(blocks))
+    # The poles are those of this decay: of others they may be off by a little.
+    courses = np.concatenate([courses, courses * np.linspace(0.0, 1.0, blocks)])
+    free = np.linalg.qr(np.stack([*courses.real, *courses.imag, np.ones(blocks)], axis=1))[0]
+    forced = turns - free @ (free.T @ turns)
+    # Stretches overlap by half, so that some lie between two releases.
+    laps = [means[:, first:] for first in (0, blocks // 2)]
+    parts = (lap[:, : lap.shape[1] // blocks * blocks].reshape(len(means), -1, blocks) for lap in laps)
+    power = np.concatenate([np.abs(part @ forced) ** 2 for part in parts], axis=1)
+    white = trial.noise_std[:, None] ** 2 * np.sum(np.abs(forced) ** 2, axis=0)
     # The power of noise is exponentially distributed.
     ratio = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
     strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
