@@ -108,8 +108,9 @@ def test_a_multiple_of_no_mode_is_said_to_be_one() -> None:
     """The mode itself is not determined: none is left to name."""
     modes = found([3.0, 6.0], [1.0, 0.02], [0.2, 0.4]).modes
     poles = Poles(pairs=np.array([-0.01 + 0.3j]), reals=np.zeros(0), nuisances=np.zeros(1))
+    fit = SimpleNamespace(poles=poles, information=np.eye(2), count=100)
     for reason in (Reason.HARMONIC, Reason.COMBINATION):
-        selection: Any = SimpleNamespace(fit=SimpleNamespace(poles=poles), reasons=(reason,), rejected=())
+        selection: Any = SimpleNamespace(fit=fit, reasons=(reason,), loudness=np.ones(1), rejected=())
         (one,) = considered_of(selection, modes[:0], 0.01)
         assert (one.remark.code, one.removed) == (Reason.OF_NO_MODE, True)
 

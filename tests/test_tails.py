@@ -203,6 +203,8 @@ def test_a_mode_that_is_hardly_known_stands_for_a_force_only_where_the_record_is
     std = found.modes.wn_std
     assert std is not None
     assert np.any(std > 0.025 * found.modes.wn)
-    assert len(list(later_starts(whole, found))) > 0
+    # A start by which a flash is over is tried in any case; those by periods of the other mode are not.
+    flash = 3 / float(np.max(-found.modes.poles.real))
+    assert max(later_starts(whole, found)) > 2 * flash
     still = np.where(np.arange(COUNT) < begin, values[begin], values)
-    assert not list(later_starts(as_response(TIME, still[None], ["seat"]), found))
+    assert max(later_starts(as_response(TIME, still[None], ["seat"]), found)) <= flash * (1 + 1e-9)

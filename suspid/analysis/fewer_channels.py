@@ -39,7 +39,7 @@ FAR_CLOSER = 2.0
 # A channel that moves at the frequency of a mode shows another one where this share of its energy is not that mode's.
 ANOTHER = 0.02
 # Modes are close whose frequencies are within this factor: pitch and bounce of a car.
-CLOSE = 1.4
+CLOSE_MODES = 1.4
 # Multiples of a mode that a channel may show alone: what moves across it has the second, springs that bend the third.
 SHOWN_ALONE = (2, 3)
 
@@ -116,15 +116,16 @@ def _loses_a_close_mode(others: control.TimeResponseData, fewer: Identification,
     """
     swing = found.modes[(found.modes.poles.imag > 0) & (found.modes.zeta < NO_CYCLE)]
     of_all, of_fewer = (
-        np.sum(np.abs(np.log(modes.wn[:, None] / fewer.modes.wn)) < np.log(CLOSE), axis=0)
+        np.sum(np.abs(np.log(modes.wn[:, None] / fewer.modes.wn)) < np.log(CLOSE_MODES), axis=0)
         for modes in (swing, fewer.modes)
     )
     if not np.any(of_all > of_fewer):
         return False
     ours, theirs = (as_signal(held(each, "response")) for each in (fewer, found))
-    motion = as_signal(
-        cut(others, start=max(ours.start, theirs.start), stop=float(min(ours.timepts[-1], theirs.timepts[-1])))
-    )
+    start, stop = max(ours.start, theirs.start), float(min(ours.timepts[-1], theirs.timepts[-1]))
+    if stop - start < 0.5 * ours.duration:
+        return False
+    motion = as_signal(cut(others, start=start, stop=stop))
     left, least = (left_by_modes(motion, modes) for modes in (fewer.modes, found.modes))
     return bool(np.any((least < STRAY) & (left > FAR_CLOSER * least)))
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import FORCED, Identification, flashes
+from suspid.identification import FORCED, Considered, Identification, flashes
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
+from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
     import control
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 # A mode whose frequency has at least this relative standard deviation may be a force that ends. Heavily damped modes
 # that matter are known to 1 % at a signal-to-noise ratio of 40 dB.
 HARDLY_KNOWN = 0.025
+# One whose frequency is not known to this is tried so even where nothing drove the record: it is of no use.
+OF_NO_USE = 0.1
 # Later starts that are tried, in periods of the slowest mode that is known better.
 PERIODS_LATER = (0.25, 0.5, 1.0, 1.5)
 # The record is driven before the decay if it moves by this many times the noise from `PERIODS_BEFORE` periods to half a
@@ -46,7 +50,9 @@ def later_starts(record: control.TimeResponseData, found: Identification) -> Ite
     if rests:
         yield rests
     period = 2 * np.pi / float(np.min(found.modes.wn[~hardly]))
-    if _driven_before(record, found, period):
+    std = found.modes.wn_std
+    of_no_use = std is not None and bool(np.max(std / found.modes.wn) > OF_NO_USE)
+    if of_no_use or _driven_before(record, found, period):
         yield from (share * period for share in PERIODS_LATER)
 
 
@@ -57,6 +63,15 @@ def behind_blow(found: Identification) -> Second | None:
     """
     brief = [-c.pole.real for c in found.considered if c.removed and c.remark.code in FORCED and c.pole.real < 0]
     return FLASH_OVER[-1] / min(brief) if brief else None
+
+
+def without_start(found: Identification, later: Identification) -> Identification:
+    """Return what a later start has, with what was left out among the poles that were considered."""
+    apart = np.min(np.abs(found.modes.poles[:, None] - later.modes.poles), axis=1)
+    lost = found.modes.poles[apart >= SAME_POLE * found.modes.wn]
+    remark = Remark(Reason.OF_START)
+    said = tuple(Considered(pole=complex(pole), remark=remark, removed=False) for pole in lost)
+    return replace(later, considered=(*later.considered, *said))
 
 
 def freed(found: Identification, later: Identification) -> bool:

@@ -12,7 +12,7 @@ from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.far_larger import far_larger
 from suspid.analysis.first_rest import until_one_rests
-from suspid.analysis.forced_start import freed, later_starts
+from suspid.analysis.forced_start import freed, later_starts, without_start
 from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
 from suspid.analysis.longer import longer, shared_modes, with_identification
@@ -193,7 +193,7 @@ def _once_free(record: control.TimeResponseData, best: Used, settings: Settings)
         used = used_of(record, decays, replace(decay, start=start + later))
         free = tried(used.record, settings)
         if free is not None and settled(free) and freed(found, free):
-            return replace(used, identification=free)
+            return replace(used, identification=without_start(found, free))
     return best
 
 

@@ -19,7 +19,7 @@ SAMPLES_LOOKED_AT = 4096
 A_BLOCK, LEVEL_SHARE = 64, 0.9
 # A sample is off the motion around it by this many levels; without it, its neighbours are off by no more than the
 # second number. White noise is hardly ever off by more than four.
-APART, WITHOUT_IT = 6.0, 2.0
+OFF_BY, WITHOUT_IT = 6.0, 2.0
 # The motion around it spreads by this many levels, by no more than this factor less before than behind it or the other
 # way round, and by no more than this many times its own distance: a blow that is sampled once sets motion off, and a
 # channel of blows has none. Spreads are between the last numbers, which leave out other spikes.
@@ -87,10 +87,10 @@ def _off_the_motion(values: RealArray) -> Indices:
     level = np.maximum(_levels(off), np.min(steps, where=steps > 0, initial=np.inf))
     inner = len(level) * A_BLOCK
     largest = np.max(off[:inner].reshape(-1, A_BLOCK), axis=1)
-    at = np.flatnonzero(np.repeat(largest > APART * level, A_BLOCK))
+    at = np.flatnonzero(np.repeat(largest > OFF_BY * level, A_BLOCK))
     at = np.concatenate([at, np.arange(inner, len(values))])
     level = level[np.minimum(at // A_BLOCK, len(level) - 1)]
-    stands = (off[at] > APART * level) & (at > 1) & (at < len(values) - 2)
+    stands = (off[at] > OFF_BY * level) & (at > 1) & (at < len(values) - 2)
     at, level = at[stands], level[stands]
     stands = (off[at] >= off[at - 1]) & (off[at] >= off[at + 1])
     at, level = at[stands], level[stands]
@@ -104,7 +104,7 @@ def _off_the_motion(values: RealArray) -> Indices:
         left - 0.5 * (values[at - 2] + cubic),
         right - 0.5 * (values[at + 2] + cubic),
     ]
-    single = (np.max(np.abs(beside), axis=0) < WITHOUT_IT * level) & (spike > APART * level)
+    single = (np.max(np.abs(beside), axis=0) < WITHOUT_IT * level) & (spike > OFF_BY * level)
     around = np.arange(1, A_BLOCK + 1)
     sides = (values[np.clip(at[:, None] + side * around, 0, len(values) - 1)] for side in (-1, 1))
     spreads = [np.ptp(np.quantile(side, BUT_OTHERS, axis=1), axis=0) for side in sides]

@@ -10,12 +10,11 @@ from suspid.words import Defect
 
 # One turn in the units of angles, and in counts of converters of 8 to 16 bits.
 WHOLE_TURNS = (2 * np.pi, 360.0, *(2.0**bits for bits in range(8, 17)))
-# Steps are at most this part of a turn, but for those that wrap round: else it is open which way they go.
-SMALL_STEPS = 0.25
-# What wraps round is as far from a whole turn as this many of the largest other steps, at most.
-AS_FAR = 2.0
+# Steps are at most this part of a turn, but for those that wrap round, which are as far from a whole turn as this many
+# of the largest of them, at most. Larger steps leave open which way they go.
+SMALL_STEPS, AS_FAR = 1 / 16, 2.0
 # Share of a turn by which numbers that were rounded when they were written exceed it.
-BEYOND = 1e-3
+ABOVE_A_TURN = 1e-3
 
 
 def unwrapped(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
@@ -36,13 +35,14 @@ def unwrapped(name: str, times: RealArray, values: RealArray) -> tuple[RealArray
         return values, []
     samples = values if good.size == values.size else values[good]
     low, high = float(np.min(samples)), float(np.max(samples))
-    turns = [turn for turn in WHOLE_TURNS if (1 - SMALL_STEPS) * turn < high - low <= turn * (1 + BEYOND)]
+    counts = not np.any(samples % 1)
+    turns = [turn for turn in WHOLE_TURNS if 0.5 * turn < high - low <= turn * (1 + ABOVE_A_TURN)]
     if not turns:
         return values, []
     turn, steps = turns[0], np.diff(samples)
     far = np.abs(steps) > 0.5 * turn
     most = float(np.max(np.abs(steps[~far]), initial=0.0))
-    whole = turn in WHOLE_TURNS[:2] or not np.any(samples % 1)
+    whole = turn == WHOLE_TURNS[1] or counts == (turn != WHOLE_TURNS[0])
     if not (far.any() and whole and most < SMALL_STEPS * turn):
         return values, []
     if np.max(turn - np.abs(steps[far])) > AS_FAR * most:

@@ -27,7 +27,7 @@ from suspid.words import Reason
 BLOCKS_A_CYCLE = 8.0
 # Means over blocks lose at most this share of the energy of smooth motion: what is within a block is smooth if its
 # lag-1 correlation is above the second number; noise has none. One mode loses 5 % in eight blocks a cycle.
-MOST_LOST, GOES_ON = 0.2, 0.5
+MOST_LOST, WITHIN_SMOOTH = 0.2, 0.5
 # Blocks that a trial uses at most, the first ones: more cost time for what lies in the noise. Fewer than a record needs
 # samples are not fitted.
 MOST_BLOCKS = 600
@@ -151,7 +151,7 @@ def with_all_motion(values: RealArray, size: int) -> int:
         lost = np.sum((blocks - means) ** 2, axis=(1, 2))
         along = np.sum((blocks - means)[:, :, 1:] * (blocks - means)[:, :, :-1], axis=(1, 2))
         every = np.sum((blocks - means.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2))
-        if not np.any((lost > MOST_LOST * every) & (along > GOES_ON * lost)):
+        if not np.any((lost > MOST_LOST * every) & (along > WITHIN_SMOOTH * lost)):
             break
         size //= 2
     return size

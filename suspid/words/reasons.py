@@ -56,6 +56,7 @@ class Reason(Code):
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
     BEGINNING = "beginning", "together with others it fits only the first samples: motion before the free decay"
+    OF_START = "of the start", "hardly known, and a later start does without it: a force that ends looks the same"
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
     NEAR_NYQUIST = "near Nyquist", "too near half the sampling rate, or above it, to be told from another motion"
     BEYOND = "beyond", "weaker than the requested modes"
