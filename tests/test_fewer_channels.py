@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from suspid import RecordError, Settings, analyse, identify
-from suspid.analysis.fewer_channels import with_fewer_channels
+from suspid.analysis.fewer_channels import _loses_a_close_mode, with_fewer_channels
 from suspid.analysis.used import Used
-from suspid.records import as_response, of_channels
+from suspid.records import as_response, cut, of_channels
 from suspid.samples import held
 from suspid.signals import as_signal
+from suspid.units import RealArray
 from suspid.words import Check, Level, Note, RecordCheck, Remark
 
 RATE = 113.0
@@ -80,7 +81,9 @@ def test_channels_that_are_named_are_all_used(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_good_channels_stay(tmp_path: Path) -> None:
-    found = analyse(written(tmp_path / "good.csv", swing(), np.round(0.7 * swing())))
+    # A multiple is no second measurement.
+    other = np.round(0.7 * swing()) + np.random.default_rng(1).integers(-1, 2, TIME.size)
+    found = analyse(written(tmp_path / "good.csv", swing(), other))
     assert found.modes.channels == ("Encoder 1", "Encoder 2")
 
 
@@ -193,3 +196,33 @@ def test_a_channel_that_shows_another_mode_close_by_is_not_left_out(other: float
     before = Used(record=record, decays=(), used=(), notes=(), identification=both)
     after = with_fewer_channels(record, before, Settings(), of_one)
     assert len(as_signal(after.record).channels) == kept
+
+
+class TestCloseModes:
+    """Pitch and bounce of a car: one channel is fitted by a single mode between them, several tell them by shapes."""
+
+    @staticmethod
+    def record(shapes: RealArray, *, noise: float = 1e-2) -> control.TimeResponseData:
+        time = np.arange(800) / 200
+        poles = 2 * np.pi * np.array([[1.1345], [1.2192]]) * (-0.22 + 0.975j)
+        values = shapes @ np.exp(poles * time).real
+        values += noise * np.random.default_rng(1).standard_normal(values.shape)
+        return as_response(time, values, ["front", "rear", "middle"][: len(values)])
+
+    def test_are_not_given_up_for_one_channel(self) -> None:
+        record = self.record(np.array([[1.0, 0.4], [0.5, -0.9], [0.8, 0.2]]))
+        found, fewer = identify(record), identify(of_channels(record, ["front"]))
+        assert (len(found.modes), len(fewer.modes)) == (2, 1)
+        assert _loses_a_close_mode(of_channels(record, ["rear", "middle"]), fewer, found)
+
+    def test_a_channel_without_the_other_mode_does_not_tell(self) -> None:
+        record = self.record(np.array([[1.0, 0.0], [0.5, 0.0], [0.2, 0.9]]))
+        found, fewer = identify(record), identify(of_channels(record, ["front"]))
+        assert len(found.modes) == 2
+        assert not _loses_a_close_mode(of_channels(record, ["rear"]), fewer, found)
+        assert _loses_a_close_mode(of_channels(record, ["middle"]), fewer, found)
+
+    def test_stretches_apart_are_not_compared(self) -> None:
+        record = self.record(np.array([[1.0, 0.4], [0.5, -0.9], [0.8, 0.2]]))
+        found, fewer = identify(cut(record, stop=1.5)), identify(of_channels(cut(record, start=1.6), ["front"]))
+        assert not _loses_a_close_mode(of_channels(record, ["rear", "middle"]), fewer, found)
