@@ -55,6 +55,11 @@ class TestLeftAlone:
         assert jumps(100 * np.sign(SWING)) == 0
         assert jumps(4096.5 * (SWING % 1)) == 0
 
+    def test_a_count_that_jumps_once(self) -> None:
+        """A camera that takes something else for the mass, 1023 pixels away."""
+        place = np.arange(T.size)
+        assert jumps(np.where(place < 2000, 1022.0, 0.0) + place % 2) == 0
+
     def test_steps_of_all_sizes(self) -> None:
         rng = np.random.default_rng(1)
         assert jumps(360 * rng.uniform(size=T.size)) == 0

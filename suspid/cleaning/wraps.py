@@ -13,6 +13,8 @@ WHOLE_TURNS = (2 * np.pi, 360.0, *(2.0**bits for bits in range(8, 17)))
 # Steps are at most this part of a turn, but for those that wrap round, which are as far from a whole turn as this many
 # of the largest of them, at most. Larger steps leave open which way they go.
 SMALL_STEPS, AS_FAR = 1 / 16, 2.0
+# Whole numbers wrap round at least this often: what is lost sight of once, as by a camera, jumps as far.
+FEWEST_OF_COUNTS = 3
 # Share of a turn by which numbers that were rounded when they were written exceed it.
 ABOVE_A_TURN = 1e-3
 
@@ -43,7 +45,8 @@ def unwrapped(name: str, times: RealArray, values: RealArray) -> tuple[RealArray
     far = np.abs(steps) > 0.5 * turn
     most = float(np.max(np.abs(steps[~far]), initial=0.0))
     whole = turn == WHOLE_TURNS[1] or counts == (turn != WHOLE_TURNS[0])
-    if not (far.any() and whole and most < SMALL_STEPS * turn):
+    often = FEWEST_OF_COUNTS if counts else 1
+    if np.sum(far) < often or not whole or most >= SMALL_STEPS * turn:
         return values, []
     if np.max(turn - np.abs(steps[far])) > AS_FAR * most:
         return values, []
