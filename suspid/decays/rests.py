@@ -16,6 +16,9 @@ from suspid.words import DecayDoubt, Remark
 # mean. The motion that follows is this many times as large as they. A motion that begins with the first sample is never
 # as far from its own mean.
 FEWEST_OF_REST, FAR_FROM_REST, MUCH_FURTHER = 12, 5.0, 30.0
+# The rest is compared without this share of its end; its variance is at most this many times that of white noise with
+# the same steps between samples: smooth motion has more.
+LOOKED_BACK, NOISE_ALONE, NEAR_REST = 0.6, 2.0, 2.0
 
 
 def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Decay | None:
@@ -42,26 +45,34 @@ def rests_until(values: RealArray) -> int:
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(400)
     >>> held = np.where(np.arange(400) < 150, 1.0, np.cos(0.1 * (np.arange(400) - 150)))
     >>> rests_until((held + noise)[None]), rests_until((held + noise)[None, 150:])
-    (153, 0)
+    (151, 0)
     """
     first = values[:, : values.shape[1] // 2]
     if first.shape[1] <= FEWEST_OF_REST:
         return 0
     about = first - first[:, :1]
-    counts = np.arange(1, about.shape[1])
-    means = np.cumsum(about, axis=1)[:, :-1] / counts
-    squares = np.cumsum(about**2, axis=1)[:, :-1] / counts
+    # What is compared with the samples before leaves the last of these out: they may have begun to move.
+    before = np.maximum(np.arange(1, about.shape[1]) * LOOKED_BACK, 2.0).astype(np.intp)
+    means, squares, roughness = (
+        np.cumsum(each, axis=1)[:, before - 1] / before
+        for each in (about, about**2, 0.5 * np.diff(about, axis=1, prepend=0.0) ** 2)
+    )
     spread = np.sqrt(np.maximum(squares - means**2, 0.0))
-    away = np.abs(about[:, 1:] - means) > FAR_FROM_REST * spread
+    noise = spread**2 < NOISE_ALONE * roughness
+    away = noise & (np.abs(about[:, 1:] - means) > FAR_FROM_REST * spread)
     both = away[:, :-1] & away[:, 1:]
     both[:, : FEWEST_OF_REST - 1] = False
     channel, sample = np.nonzero(both)
     if not sample.size:
         return 0
     at = int(np.argmin(sample))
-    start = int(sample[at]) + 1
-    further = np.ptp(values[channel[at]]) > MUCH_FURTHER * spread[channel[at], start - 1]
-    return start if further else 0
+    start, row = int(sample[at]) + 1, channel[at]
+    size = spread[row, start - 1]
+    if np.ptp(values[row]) <= MUCH_FURTHER * size:
+        return 0
+    # It has begun to move where it was last as near to its rest as noise mostly is.
+    near = np.flatnonzero(np.abs(about[row, :start] - means[row, start - 1]) < NEAR_REST * size)
+    return int(near[-1]) + 1 if near.size else start
 
 
 def as_decay(
