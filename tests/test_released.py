@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from suspid import find_decays
 from suspid.decays.envelopes import finest
 from suspid.decays.predictions import freed_at, released_at
+from suspid.decays.rests import rests_until
+from suspid.records import as_response
 from suspid.units import RealArray
 
 # Standard deviation of the error of rounding to whole numbers.
@@ -69,3 +72,25 @@ def test_noise_tells_no_force(seed: int) -> None:
     values = np.stack([motion, 0.6 * motion]) + 5e-4 * np.random.default_rng(seed).standard_normal((2, time.size))
     first, _ = freed_at(values, finest(values), step=1 / 250)
     assert first < 125
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_rest_within_noise_ends_where_the_mass_is_let_go(seed: int) -> None:
+    """Two masses at rest for 3 s, a motion of 150 times the noise: nothing before the release is of the decay."""
+    time = np.arange(0, 12, 0.003)
+    since, wn, zeta = np.maximum(time - 3.0, 0.0), np.array([[10.43], [42.85]]), np.array([[0.039], [0.024]])
+    free = np.exp(-zeta * wn * since) * (np.cos(wn * since) + zeta * np.sin(wn * since))
+    values = np.array([[150.0, 6.0], [90.0, -8.0]]) @ free
+    values += np.random.default_rng(seed).standard_normal(values.shape)
+    (decay, *_) = find_decays(as_response(time, values, ["left", "right"]))
+    assert -0.003 < decay.start - 3.0 < 0.03
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-2])
+def test_motion_that_begins_with_the_first_sample_has_no_rest(noise: float) -> None:
+    place = np.arange(500)
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        turn, zeta = 2 * np.pi * rng.uniform(0.005, 0.2), rng.uniform(0.01, 0.4)
+        values = np.exp(-zeta * turn * place) * np.cos(turn * place + rng.uniform(0, 2 * np.pi))
+        assert rests_until((values + noise * rng.standard_normal(500))[None]) == 0

@@ -45,7 +45,7 @@ def rests_until(values: RealArray) -> int:
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(400)
     >>> held = np.where(np.arange(400) < 150, 1.0, np.cos(0.1 * (np.arange(400) - 150)))
     >>> rests_until((held + noise)[None]), rests_until((held + noise)[None, 150:])
-    (151, 0)
+    (152, 0)
     """
     first = values[:, : values.shape[1] // 2]
     if first.shape[1] <= FEWEST_OF_REST:
