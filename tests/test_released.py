@@ -76,14 +76,14 @@ def test_noise_tells_no_force(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_rest_within_noise_ends_where_the_mass_is_let_go(seed: int) -> None:
-    """Two masses at rest for 3 s, a motion of 150 times the noise: nothing before the release is of the decay."""
+    """Two masses at rest for 3 s, a motion of 150 times the noise: the decay begins with it, but for some samples."""
     time = np.arange(0, 12, 0.003)
     since, wn, zeta = np.maximum(time - 3.0, 0.0), np.array([[10.43], [42.85]]), np.array([[0.039], [0.024]])
     free = np.exp(-zeta * wn * since) * (np.cos(wn * since) + zeta * np.sin(wn * since))
     values = np.array([[150.0, 6.0], [90.0, -8.0]]) @ free
     values += np.random.default_rng(seed).standard_normal(values.shape)
     (decay, *_) = find_decays(as_response(time, values, ["left", "right"]))
-    assert -0.003 < decay.start - 3.0 < 0.03
+    assert abs(decay.start - 3.0) < 0.02
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-2])

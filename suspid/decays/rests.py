@@ -45,7 +45,7 @@ def rests_until(values: RealArray) -> int:
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(400)
     >>> held = np.where(np.arange(400) < 150, 1.0, np.cos(0.1 * (np.arange(400) - 150)))
     >>> rests_until((held + noise)[None]), rests_until((held + noise)[None, 150:])
-    (152, 0)
+    (151, 0)
     """
     first = values[:, : values.shape[1] // 2]
     if first.shape[1] <= FEWEST_OF_REST:
@@ -61,18 +61,20 @@ def rests_until(values: RealArray) -> int:
     noise = spread**2 < NOISE_ALONE * roughness
     away = noise & (np.abs(about[:, 1:] - means) > FAR_FROM_REST * spread)
     both = away[:, :-1] & away[:, 1:]
-    both[:, : FEWEST_OF_REST - 1] = False
+    # Of fewer samples none tell a spread.
+    both[:, : FEWEST_OF_REST // 2] = False
     channel, sample = np.nonzero(both)
-    if not sample.size:
+    if not sample.size or np.min(sample) < FEWEST_OF_REST - 1:
         return 0
     at = int(np.argmin(sample))
     start, row = int(sample[at]) + 1, channel[at]
     size = spread[row, start - 1]
     if np.ptp(values[row]) <= MUCH_FURTHER * size:
         return 0
-    # It has begun to move where it was last as near to its rest as noise mostly is.
+    # It begins to move with the square of time: from where it was last as near to its rest as noise mostly is.
     near = np.flatnonzero(np.abs(about[row, :start] - means[row, start - 1]) < NEAR_REST * size)
-    return int(near[-1]) + 1 if near.size else start
+    left = int(near[-1]) + 1 if near.size else start
+    return max(1, left - int((start - left) / (np.sqrt(FAR_FROM_REST / NEAR_REST) - 1)))
 
 
 def as_decay(
