@@ -9,12 +9,12 @@ import control
 import numpy as np
 import pytest
 
-from suspid import ModalSet, analyse
-from suspid.analysis.forced_start import freed, later_starts
-from suspid.identification import Identification
+from suspid import ModalSet, analyse, as_record, identify
+from suspid.analysis.forced_start import FLASH_OVER, SAME_POLE, behind_blow, freed, later_starts, without_start
+from suspid.identification import Considered, Identification
 from suspid.records import as_response, cut
 from suspid.units import RealArray
-from suspid.words import Level
+from suspid.words import Level, Reason, Remark
 
 TIME = np.arange(1000) / 100
 START, NOISE = 5.0, 0.01
@@ -93,6 +93,31 @@ class TestFreed:
         record = as_response(TIME, DRIVEN[None], ["a"])
         found = identified(record, WN, (0.001, 0.001, 0.05))
         assert freed(found, identified(record, later, [0.001] * len(later))) is free
+
+
+class TestBehindBlow:
+    @pytest.mark.parametrize(
+        ("reason", "removed"), [(Reason.BEGINNING, True), (Reason.BEGINNING, False), (Reason.DRIFT, True)]
+    )
+    def test_is_when_the_slowest_pole_of_a_blow_has_fallen(self, reason: Reason, removed: bool) -> None:
+        rates = (40.0, 200.0)
+        blow = tuple(Considered(pole=complex(-rate, 0), remark=Remark(reason), removed=removed) for rate in rates)
+        late = behind_blow(cast("Identification", SimpleNamespace(considered=blow)))
+        of_blow = reason is Reason.BEGINNING and removed
+        assert late == (pytest.approx(FLASH_OVER[-1] / 40.0) if of_blow else None)
+
+
+class TestWithoutStart:
+    def test_names_the_modes_that_a_later_start_does_without(self) -> None:
+        time = np.arange(600) / 100
+        slow, fast = np.exp((-1 + 12j) * time).real, np.exp((-9 + 40j) * time).real
+        noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+        both, one = (identify(as_record(motion + noise, timepts=time)) for motion in (slow + fast, slow))
+        assert (len(both.modes), len(one.modes)) == (2, 1)
+        lost = [c for c in without_start(both, one).considered if c.remark.code is Reason.OF_START]
+        assert [c.removed for c in lost] == [False]
+        assert abs(lost[0].pole - (-9 + 40j)) < SAME_POLE * 41
+        assert not [c for c in without_start(one, one).considered if c.remark.code is Reason.OF_START]
 
 
 @pytest.mark.parametrize("periods", [0.5, 0.8, 1.1])

@@ -1,6 +1,8 @@
 """Trials of a stretch: what the fit says of its first part, its modes, the noise; refusals, kinds and the start."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -172,6 +174,20 @@ class TestNoiseOfARecording:
         ratio = background_ratio(block_means(values, 2), found, size=2, length=500)
         assert 10 * np.log10(ratio[0]) < 6
         assert doubts_of_background(block_means(values, 2), found, size=2, length=500) == ()
+
+    def test_is_that_of_white_noise_where_the_free_motion_of_the_modes_is_all_of_any_stretch(self) -> None:
+        """Nine samples and two modes, each with a part that falls as it does and one that falls on: nine unknowns."""
+        pairs = np.array([complex(-0.02, 0.6), complex(-0.03, 1.1)])
+        poles = SimpleNamespace(pairs=pairs)
+        fit = SimpleNamespace(poles=poles, amplitudes=np.ones((4, 2), complex))
+        made = SimpleNamespace(
+            residual=np.zeros((2, 9)),
+            selection=SimpleNamespace(fit=fit),
+            modes=np.array([0, 1]),
+            noise_std=np.ones(2),
+        )
+        ratio = background_ratio(noise(4, 900), cast("Trial", made), size=1, length=9)
+        np.testing.assert_array_equal(ratio, [1.0, 1.0])
 
 
 class TestRefusals:

@@ -30,6 +30,7 @@ from suspid.identification import (
     identify,
     identify_linear,
     lag_one,
+    removed_as,
     residual_of_part,
 )
 from suspid.levels import likely
@@ -97,8 +98,8 @@ def tried_linear(record: control.TimeResponseData, settings: Settings) -> Identi
 
 def settled(found: Identification) -> bool:
     """Return whether a record is a free decay from its first sample on: modes are found, and the residual is noise."""
-    forced = any(c.removed and c.remark.code in FORCED for c in found.considered)
-    return bool(len(found.modes)) and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
+    forced = removed_as(found.considered, *FORCED)
+    return len(found.modes) > 0 and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
 
 
 def settled_by_forces(found: Identification) -> bool:
@@ -210,7 +211,7 @@ def _never_swings(decay: Decay, found: Identification) -> tuple[Check, ...]:
 
 def _beside_tones(found: Identification) -> tuple[Check, ...]:
     """Return the doubt that real poles alone were found beside tones: what is driven has a mean that wanders."""
-    tones = any(c.removed and c.remark.code is Reason.TONE for c in found.considered)
+    tones = bool(removed_as(found.considered, Reason.TONE))
     if not len(found.modes) or np.any(found.modes.poles.imag) or not tones:
         return ()
     return (Check(Remark(RecordCheck.NEVER_SWINGS), Level.DOUBTFUL),)

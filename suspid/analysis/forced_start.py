@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import FORCED, Considered, Identification, flashes
+from suspid.identification import FORCED, Considered, Identification, flashes, removed_as
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -61,7 +61,7 @@ def behind_blow(found: Identification) -> Second | None:
 
     The poles that stand for a blow are gone by then.
     """
-    brief = [-c.pole.real for c in found.considered if c.removed and c.remark.code in FORCED and c.pole.real < 0]
+    brief = [-c.pole.real for c in removed_as(found.considered, *FORCED) if c.pole.real < 0]
     return FLASH_OVER[-1] / min(brief) if brief else None
 
 

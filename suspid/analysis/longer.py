@@ -17,7 +17,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.swelling import beats
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LITTLE, Decay, Decays, releases_before, rests_from
-from suspid.identification import Identification
+from suspid.identification import Identification, removed_as
 from suspid.levels import NORMAL_95
 from suspid.records import cut, of_channels
 from suspid.samples import held
@@ -187,7 +187,7 @@ def _goes_on(record: control.TimeResponseData, best: Used) -> NDArray[np.bool_]:
 
 def _has_tones(found: Identification | None) -> bool:
     """Return whether a fit has what does not decay within its stretch: a slow mode looks so beside faster ones."""
-    return found is not None and any(c.removed and c.remark.code is Reason.TONE for c in found.considered)
+    return found is not None and bool(removed_as(found.considered, Reason.TONE))
 
 
 def _shows_more(longer: Identification, found: Identification | None) -> bool:
@@ -223,7 +223,7 @@ def _shows_more(longer: Identification, found: Identification | None) -> bool:
 
 def _tells_tones(longer: Identification, found: Identification) -> bool:
     """Return whether a longer decay shows that a tone of a part fades: it has a mode there, and those of the part."""
-    tones = [c.pole for c in found.considered if c.removed and c.remark.code is Reason.TONE]
+    tones = [c.pole for c in removed_as(found.considered, Reason.TONE)]
     modes = longer.modes
     if not tones or not 0 < len(found.modes) < len(modes) or modes.wn_std is None:
         return False

@@ -37,11 +37,10 @@ def unwrapped(name: str, times: RealArray, values: RealArray) -> tuple[RealArray
         return values, []
     samples = values if good.size == values.size else values[good]
     low, high = float(np.min(samples)), float(np.max(samples))
-    counts = not np.any(samples % 1)
     turns = [turn for turn in WHOLE_TURNS if 0.5 * turn < high - low <= turn * (1 + ABOVE_A_TURN)]
     if not turns:
         return values, []
-    turn, steps = turns[0], np.diff(samples)
+    turn, steps, counts = turns[0], np.diff(samples), not np.any(samples % 1)
     far = np.abs(steps) > 0.5 * turn
     most = float(np.max(np.abs(steps[~far]), initial=0.0))
     whole = turn == WHOLE_TURNS[1] or counts == (turn != WHOLE_TURNS[0])

@@ -45,6 +45,8 @@ QUIET_SHARE, FEWEST_STRETCHES = 0.5, 4
 # Quantile of the power over the stretches that counts as background. The median is too high where decays fill half of
 # the recording.
 CALM = 0.2
+# Share of a mode's own course that is left beside the free motion of all, below which a background is not told.
+LEAST_BESIDE_FREE = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -183,8 +185,8 @@ def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) 
     """Return the background power of the recording at each mode over that of white noise like the fit's, (mode,).
 
     It is a low quantile of the power at the frequency of the mode (Hann window) in stretches as long as the decay, in
-    the channel where the mode is strongest, and 1 in recordings too short for that. The means over blocks of ``size``
-    samples are those of the recording.
+    the channel where the mode is strongest, and 1 in recordings too short for that, or where the free motion of the
+    modes could be all of any stretch. The means over blocks of ``size`` samples are those of the recording.
     """
     blocks = trial.residual.shape[1]
     stretches = means.shape[1] // max(length // size, blocks)
@@ -203,11 +205,13 @@ def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) 
     laps = [means[:, first:] for first in (0, blocks // 2)]
     parts = (lap[:, : lap.shape[1] // blocks * blocks].reshape(len(means), -1, blocks) for lap in laps)
     power = np.concatenate([np.abs(part @ forced) ** 2 for part in parts], axis=1)
-    white = trial.noise_std[:, None] ** 2 * np.sum(np.abs(forced) ** 2, axis=0)
+    left = np.sum(np.abs(forced) ** 2, axis=0)
+    told = left > LEAST_BESIDE_FREE * np.sum(np.abs(turns) ** 2, axis=0)
+    white = trial.noise_std[:, None] ** 2 * np.where(told, left, 1.0)
     # The power of noise is exponentially distributed.
     ratio = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
     strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
-    return np.asarray(ratio[strongest, np.arange(len(rows))])
+    return np.where(told, ratio[strongest, np.arange(len(rows))], 1.0)
 
 
 def tried(

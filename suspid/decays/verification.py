@@ -6,7 +6,7 @@ import numpy as np
 
 from suspid.decays.trials import Trial
 from suspid.errors import SuspidError
-from suspid.identification import FORCED, MOST_PAIRS, Identification, identify, identify_linear
+from suspid.identification import FORCED, MOST_PAIRS, Identification, identify, identify_linear, removed_as
 from suspid.samples import as_samples
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Reason, Remark
@@ -60,7 +60,7 @@ def verified(
                 # No number of poles explains the stretch, nor the same stretch from a few samples later on.
                 return begin, first_doubt or doubt
             # A pole that is gone after a few samples fits forced samples.
-            if doubt is None and not any(c.removed and c.remark.code in FORCED for c in found.considered):
+            if doubt is None and not removed_as(found.considered, *FORCED):
                 return place, None
             usable = place if doubt is None and usable is None else usable
         first_doubt = first_doubt or doubt

@@ -9,7 +9,7 @@ them: `exponentials` and `poles` (inner products), `noise` (least variance, like
 """
 
 from suspid.identification.classification import LEAST_EXPLAINED
-from suspid.identification.considered import Considered
+from suspid.identification.considered import Considered, removed_as
 from suspid.identification.covariance import with_changes as with_changes
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
@@ -69,6 +69,7 @@ __all__ = [
     "modes_from_dict",
     "modes_to_dict",
     "read_modes",
+    "removed_as",
     "residual_of_part",
     "resolution",
     "select",

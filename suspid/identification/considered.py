@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from suspid.identification.harmonics import HIGHEST, combination_of, multiple_of
 from suspid.identification.nonlinear import MULTIPLE
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
-from suspid.units import Second
+from suspid.units import Ratio, Second
 from suspid.words import Reason, Remark
 
 
@@ -58,32 +59,45 @@ class Considered:
         return str(self.remark)
 
 
+def removed_as(considered: Iterable[Considered], *reasons: Reason) -> list[Considered]:
+    """Return what was removed from a record with the fit for one of some reasons.
+
+    Examples
+    --------
+    >>> tone = Considered(pole=60j, remark=Remark(Reason.TONE), removed=True)
+    >>> removed_as([tone], Reason.TONE, Reason.DRIFT) == [tone], removed_as([tone], Reason.HARMONIC)
+    (True, [])
+    """
+    return [one for one in considered if one.removed and one.remark.code in reasons]
+
+
 def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:
     """Return what was fitted but is no mode, then what was tried and not kept."""
-    every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
-    lost = fading(selection.fit, selection.loudness)
     removed = []
-    for k, (theta, reason) in enumerate(zip(every.tolist(), selection.reasons, strict=True)):
-        if reason in (Reason.HARMONIC, Reason.COMBINATION) and not len(modes):
-            removed.append(Considered(pole=complex(theta) / step, remark=Remark(Reason.OF_NO_MODE), removed=True))
-        elif reason is Reason.HARMONIC:
-            mode, multiple = multiple_of(modes, complex(theta) / step)
-            remark = Remark(reason, {"mode": mode, "multiple": multiple})
+    lost = fading(selection.fit, selection.loudness) if Reason.TONE in selection.reasons else np.zeros(0)
+    for k, (theta, reason) in enumerate(zip(selection.fit.poles.every.tolist(), selection.reasons, strict=True)):
+        if reason is not None:
+            faded = float(lost[k]) if reason is Reason.TONE else 0.0
+            remark = _remark(reason, complex(theta) / step, modes, faded)
             removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
-        elif reason is Reason.COMBINATION:
-            one, other, word = combination_of(modes, complex(theta) / step)
-            remark = Remark(reason, {"mode": one, "other": other, "word": word})
-            removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
-        elif reason is Reason.TONE and lost[k]:
-            remark = Remark(reason, {"share": float(lost[k])})
-            removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
-        elif reason is not None:
-            removed.append(Considered(pole=complex(theta) / step, remark=Remark(reason), removed=True))
     left = tuple(
         Considered(pole=candidate.theta / step, remark=remark, removed=False)
         for candidate, remark in sorted(selection.rejected, key=lambda item: -item[0].gain)
     )
     return (*removed, *left)
+
+
+def _remark(reason: Reason, pole: complex, modes: ModalSet, faded: Ratio) -> Remark:
+    """Return why a pole that was fitted is no mode, with the modes it belongs to."""
+    if reason in (Reason.HARMONIC, Reason.COMBINATION) and not len(modes):
+        return Remark(Reason.OF_NO_MODE)
+    if reason is Reason.HARMONIC:
+        mode, multiple = multiple_of(modes, pole)
+        return Remark(reason, {"mode": mode, "multiple": multiple})
+    if reason is Reason.COMBINATION:
+        one, other, word = combination_of(modes, pole)
+        return Remark(reason, {"mode": one, "other": other, "word": word})
+    return Remark(reason, {"share": faded} if faded else {})
 
 
 def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:

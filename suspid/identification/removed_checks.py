@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.identification.considered import removed_as
 from suspid.identification.mode_checks import check_of
 from suspid.words import Check, Level, ModeCheck, Reason
 
@@ -19,7 +20,7 @@ MANY_TONES = 3
 
 def check_tones(found: Identification) -> Iterator[Check]:
     """Check that no tone was removed with the fit: one that fades may be a mode."""
-    tones = [c for c in found.considered if c.removed and c.remark.code is Reason.TONE]
+    tones = removed_as(found.considered, Reason.TONE)
     begun = [c.pole for c in tones if "begun" in c.remark.numbers]
     if len(begun) >= max(MANY_TONES, len(found.modes)):
         yield from _named(begun, ModeCheck.BEGUN_TONES, Level.DOUBTFUL)
@@ -31,8 +32,7 @@ def check_tones(found: Identification) -> Iterator[Check]:
 
 def check_removed(found: Identification, reason: Reason, check: ModeCheck, level: Level) -> Iterator[Check]:
     """Check that nothing was removed with the fit for a reason."""
-    poles = [c.pole for c in found.considered if c.removed and c.remark.code is reason]
-    yield from _named(poles, check, level)
+    yield from _named([c.pole for c in removed_as(found.considered, reason)], check, level)
 
 
 def _named(poles: Sequence[complex], check: ModeCheck, level: Level) -> Iterator[Check]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.covariance import LEAST_VARIANCE, amplitude_errors, inverse_information
 from suspid.identification.likelihood import DecayFit
-from suspid.units import Ratio, RealArray
+from suspid.units import ComplexArray, Ratio
 
 # Level of the test: two poles of one motion are called two modes with this probability. A smaller level merges more
 # close modes that few channels see.
@@ -22,8 +23,6 @@ def same_shape(fit: DecayFit, one: int, other: int, *, colour: Ratio) -> bool:
 
     ``colour`` is the power of the residual near the poles over that of white noise.
     """
-    from scipy.special import chdtri
-
     which = np.array([one, other])
     std = np.sqrt(fit.squares / fit.freedom + 1e-300)
     a, b = fit.amplitudes[fit.poles.rows[which]] / std
@@ -40,15 +39,9 @@ def same_shape(fit: DecayFit, one: int, other: int, *, colour: Ratio) -> bool:
     slopes[at, strongest, 0], slopes[at, strongest, 1] = -b[others], a[others]
     slopes *= (p - q) / std[:, None]
     by_amplitudes = np.stack([slopes, 1j * slopes], axis=-1).reshape(len(others), -1)
-    noise, dragged = amplitude_errors(fit, which)
     chart = fit.poles.chart[fit.poles.rows[which]]
-    by_poles = by_amplitudes @ dragged + minors[:, None] * (chart[0] - chart[1])
-    own, turned = (np.concatenate([each.real, each.imag]) for each in (by_amplitudes, by_poles))
-    of_poles = inverse_information(fit.information * (fit.freedom / fit.count))
-    covariance = own @ noise @ own.T + turned @ of_poles @ turned.T
-    value = minors * (p - q)
-    statistic, freedom = _wald(np.concatenate([value.real, value.imag]), covariance)
-    return bool(statistic / colour < chdtri(freedom, SHAPE_LEVEL))
+    by_poles = minors[:, None] * (chart[0] - chart[1])
+    return _vanishes(fit, which, minors * (p - q), (by_amplitudes, by_poles), colour=colour)
 
 
 def within_shapes(fit: DecayFit, one: int, others: tuple[int, int], *, colour: Ratio) -> bool:
@@ -57,8 +50,6 @@ def within_shapes(fit: DecayFit, one: int, others: tuple[int, int], *, colour: R
     What is known of two such poles is the plane of their shapes; within it, each shape may be anything. The Wald
     statistic of what is left of the amplitudes of one beside that plane is compared as in `same_shape`.
     """
-    from scipy.special import chdtri
-
     which = np.array([one, *others])
     std = np.sqrt(fit.squares / fit.freedom + 1e-300)
     amplitudes = fit.amplitudes[fit.poles.rows[which]] / std
@@ -72,18 +63,33 @@ def within_shapes(fit: DecayFit, one: int, others: tuple[int, int], *, colour: R
     at = np.arange(channels)
     slopes[at, at] = weights / std[:, None]
     by_amplitudes = beside @ np.stack([slopes, 1j * slopes], axis=-1).reshape(channels, -1)
+    by_poles = np.zeros((len(beside), fit.poles.chart.shape[1]), complex)
+    return _vanishes(fit, which, beside @ amplitudes[0], (by_amplitudes, by_poles), colour=colour)
+
+
+def _vanishes(
+    fit: DecayFit,
+    which: NDArray[np.intp],
+    value: ComplexArray,
+    slopes: tuple[ComplexArray, ComplexArray],
+    *,
+    colour: Ratio,
+) -> bool:
+    """Return whether a function of the amplitudes of some poles could be 0, by its Wald statistic.
+
+    ``slopes`` are its derivatives by Re and Im of the amplitudes, and what it changes besides by the poles.
+    """
+    from scipy.special import chdtri
+
     noise, dragged = amplitude_errors(fit, which)
-    own, turned = (np.concatenate([each.real, each.imag]) for each in (by_amplitudes, by_amplitudes @ dragged))
+    by_amplitudes, by_poles = slopes
+    parts = (value, by_amplitudes, by_amplitudes @ dragged + by_poles)
+    both, own, turned = (np.concatenate([each.real, each.imag]) for each in parts)
     of_poles = inverse_information(fit.information * (fit.freedom / fit.count))
     covariance = own @ noise @ own.T + turned @ of_poles @ turned.T
-    value = beside @ amplitudes[0]
-    statistic, freedom = _wald(np.concatenate([value.real, value.imag]), covariance)
-    return bool(statistic / colour < chdtri(freedom, SHAPE_LEVEL))
-
-
-def _wald(value: RealArray, covariance: RealArray) -> tuple[float, int]:
-    """Return the square of a value over its covariance, and the rank of the covariance: that of real poles is half."""
     scale = np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    # Of real poles, half of the parts are none.
     sure = values > LEAST_VARIANCE
-    return float(np.sum((vectors.T @ (value / scale))[sure] ** 2 / values[sure])), int(sure.sum())
+    statistic = np.sum((vectors.T @ (both / scale))[sure] ** 2 / values[sure])
+    return bool(statistic / colour < chdtri(int(sure.sum()), SHAPE_LEVEL))

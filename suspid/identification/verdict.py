@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.files import printable
 from suspid.identification.classification import LEAST_EXPLAINED, SAMPLES_EACH
+from suspid.identification.considered import removed_as
 from suspid.identification.harmonics import LOW_ORDER
 from suspid.identification.lines import clear_line, dies_away, is_even
 from suspid.identification.mode_checks import (
@@ -87,7 +88,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     if growing:
         yield check_of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
     yield from check_amplitudes(found)
-    if any(c.removed and c.remark.code is Reason.HARMONIC for c in found.considered):
+    if removed_as(found.considered, Reason.HARMONIC):
         yield check_of(ModeCheck.HARMONICS, Level.CARE)
     if any(c.remark.code is Reason.STANDS_STILL for c in found.considered):
         yield check_of(ModeCheck.STANDS_STILL, Level.DOUBTFUL)
