@@ -57,6 +57,45 @@ def test_a_tenth_of_the_amplitude_is_where_it_begins() -> None:
     assert [len(notes(SWING + size * KNOCK)) for size in sizes] == [1, 0]
 
 
+def followed(values: RealArray, *, start: float, stop: float) -> list[bool]:
+    record = as_response(TIME, values, [f"y{k}" for k in range(len(values))])
+    stretch = Used(record=cut(record, start=start, stop=stop), decays=(), used=(), notes=())
+    return [bool(note.numbers["follows"]) for note in larger_elsewhere(record, stretch)]
+
+
+@pytest.mark.parametrize(("ends", "follows"), [(20.0, [True]), (18.5, [True]), (13.9, []), (8.0, [])])
+def test_the_end_of_a_larger_motion_need_not_be_its_end_in_every_channel(ends: float, follows: list[bool]) -> None:
+    """Parts of four seconds that end up to two before the decay are followed by it at once: others are other events."""
+    large = np.where((ends - 4 < TIME) & (ends > TIME), 30 * np.sin(9 * TIME), 0.0)
+    assert followed(np.stack([large + KNOCK, KNOCK]), start=20.0, stop=24.0) == follows
+
+
+@pytest.mark.parametrize(("start", "follows"), [(4.0, [True]), (1.0, [])])
+def test_where_there_is_no_room_a_quarter_of_the_decay_is_compared(start: float, follows: list[bool]) -> None:
+    """A decay of twelve seconds after four of other motion, or after one: a shorter part is not compared."""
+    time = TIME - start
+    ring = np.where(time >= 0, np.exp(-0.1 * time) * np.sin(30 * time), 30 * np.sin(9 * TIME))
+    values = np.stack([ring, np.where(time >= 0, ring, 0.0)])[:, : round(100 * (start + 12)) + 1]
+    record = as_response(TIME[: values.shape[1]], values, ["a", "b"])
+    stretch = Used(record=cut(record, start=start), decays=(), used=(), notes=())
+    assert [bool(note.numbers["follows"]) for note in larger_elsewhere(record, stretch)] == follows
+
+
+def test_a_car_that_rides_on_its_tires_once_friction_holds_its_struts_is_doubted() -> None:
+    """The body swings once and stops; then it goes on, on the tires alone, at a 25th of that size."""
+    time = np.arange(0, 9, 0.005)
+    since, after = time - 1.4, time - 3.2
+    pushed = np.where((since > 0) & (after < 0), np.sin(2 * np.pi * since / 1.2) * np.minimum(since, 0.6), 0.0)
+    rides = np.where(after > 0, np.exp(-0.065 * after) * np.sin(21.9 * after), 0.0)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((2, time.size))
+    values = np.stack([pushed + 0.025 * rides, 0.1 * pushed + 0.02 * rides]) + noise
+    found = analyse(as_response(time, values, ["rear", "front"]))
+    assert found.modes.wn == pytest.approx([21.9], rel=0.01)
+    (said,) = [check for check in found.verdict.checks if check.remark.code is RecordCheck.LARGER_ELSEWHERE]
+    assert said.level is Level.DOUBTFUL
+    assert "is the end of another motion" in str(said)
+
+
 def test_it_is_said_unless_the_part_was_chosen() -> None:
     noise = 1e-5 * np.random.default_rng(1).standard_normal(TIME.size)
     # Driven at first by what no decay explains, and knocked at later.

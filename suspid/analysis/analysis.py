@@ -179,7 +179,7 @@ class Analysis(Result):
         else:
             found = verdict_of(self.identification, level)
         failed = [
-            Check(Remark(CALLS_FOR_CARE[note.code], note.numbers), Level.CARE)
+            Check(Remark(CALLS_FOR_CARE[note.code], note.numbers), Level.DOUBTFUL if _is_an_end(note) else Level.CARE)
             for note in self.notes
             if isinstance(note.code, Note) and note.code in CALLS_FOR_CARE and not self._answered(note)
         ]
@@ -243,6 +243,11 @@ class Analysis(Result):
         elif self.reconstruction is not None:
             parts.append(tables_of_reconstruction(self.reconstruction))
         return "\n\n".join([*parts, str(self.verdict)])
+
+
+def _is_an_end(note: Remark) -> bool:
+    """Return whether what was identified is the end of a far larger motion."""
+    return note.code is Note.LARGER_ELSEWHERE and bool(note.numbers["follows"])
 
 
 def _of_recording(found: Analysis) -> Iterator[Check]:

@@ -28,6 +28,8 @@ MORE = 10.0
 # A decay that holds less than this share of the energy of its record may be a part of what is seen. A larger share
 # costs the time of more identifications where a record holds many decays.
 HARDLY_ANY = 0.03
+# Parts of this share of a decay are compared where there is no room for longer ones.
+QUARTER = 4
 # Two damping ratios are unlike if they differ by this share, and beyond chance: friction doubles that of the last
 # swings, and a decay whose damping is the same from any start is as well known by its end.
 UNLIKE = 0.25
@@ -94,9 +96,11 @@ def _unlike(
 
 
 def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:
-    """Return the note that every channel of a decay moves far more in another part of the record, of the same length.
+    """Return the note that every channel of a decay moves far more in another part of the record.
 
-    A channel that is held does not move. A knock at the end of a record is short beside what was to be recorded.
+    Parts of the same length are compared, as a knock at the end of a record is short beside what was to be recorded; or
+    of a quarter of that, where the rest of the record is shorter. A channel that is held does not move. The note says
+    whether the decay follows the larger motion at once, and is its end.
 
     Examples
     --------
@@ -109,23 +113,36 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
     ['elsewhere the record moves 942 times as much (rms), most about 1.03 s: start and stop choose another part']
     """
     signal, part = as_signal(record), as_signal(stretch.record)
-    count, size = part.values.shape[1], signal.values.shape[1]
+    size, first = signal.values.shape[1], round((part.start - signal.start) / signal.step)
+    last = first + part.values.shape[1]
     rows = [signal.channels.index(name) for name in part.channels if name in signal.channels]
-    first = round((part.start - signal.start) / signal.step)
+    room = max(first, size - last)
+    count = next((n for n in (last - first, (last - first) // QUARTER) if n <= room), 0)
+    if len(rows) < len(part.channels) or count < FEWEST_SAMPLES:
+        return ()
+    power = _powers(signal.values[rows], count)
     starts = np.arange(size - count + 1)
-    apart = starts[(starts + count <= first) | (starts >= first + count)]
-    if len(rows) < len(part.channels) or count < FEWEST_SAMPLES or not apart.size:
-        return ()
-    values = signal.values[rows] - signal.values[rows].mean(axis=1, keepdims=True)
-    sums, squares = (np.pad(np.cumsum(values**n, axis=1), ((0, 0), (1, 0))) for n in (1, 2))
-    power = (squares[:, count:] - squares[:, :-count]) - (sums[:, count:] - sums[:, :-count]) ** 2 / count
-    own = np.sum((part.values - part.values.mean(axis=1, keepdims=True)) ** 2, axis=1)
-    more = np.min(power[:, apart] / np.maximum(own, 1e-300)[:, None], axis=0)
-    most = int(np.argmax(more))
-    if not FAR_MORE < more[most] < np.inf:
-        return ()
-    middle = signal.start + signal.step * float(apart[most] + count / 2)
-    return (Remark(Note.LARGER_ELSEWHERE, {"times": float(np.sqrt(more[most])), "time": middle}),)
+    apart = starts[(starts + count <= first) | (starts >= last)]
+    own = np.max(_powers(part.values, count), axis=1)
+    each = power[:, apart] / np.maximum(own, 1e-300)[:, None]
+    # The end of a motion need not be its end in every channel.
+    before = np.flatnonzero((apart + count <= first) & (apart + 1.5 * count > first))
+    for more, follows in ((np.max(each[:, before], axis=0), True), (np.min(each, axis=0), False)):
+        most = int(np.argmax(more)) if more.size else -1
+        if most >= 0 and FAR_MORE < more[most] < np.inf:
+            at = apart[before][most] if follows else apart[most]
+            time = signal.start + signal.step * float(at + count / 2)
+            said = {"times": float(np.sqrt(more[most])), "time": time, "follows": follows}
+            return (Remark(Note.LARGER_ELSEWHERE, said),)
+    return ()
+
+
+def _powers(values: RealArray, count: int) -> RealArray:
+    """Return the energy about their mean of each run of a number of samples, (channel, run)."""
+    about = values - values.mean(axis=1, keepdims=True)
+    sums, squares = (np.pad(np.cumsum(about**n, axis=1), ((0, 0), (1, 0))) for n in (1, 2))
+    means = (sums[:, count:] - sums[:, :-count]) / count
+    return np.asarray(squares[:, count:] - squares[:, :-count] - count * means**2)
 
 
 def shows_the_same(decays: Sequence[Decay], time: Second, modes: ModalSet) -> bool:

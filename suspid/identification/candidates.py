@@ -21,6 +21,8 @@ Exponents = TypeVar("Exponents", RealArray, ComplexArray)
 LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
 MOST_CANDIDATES, CANDIDATES_TRIED = 12, 3
+# Bins of a spectrum whose largest tells whether one of them may be among the largest maxima.
+BINS_OF_BLOCK = 64
 # Samples up to which a row more makes a Fourier transform of three rows faster.
 LONGEST_IN_FOURS = 1 << 18
 
@@ -133,9 +135,7 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
         parts = spectrum.view(np.float32)
         squares = np.einsum("ck,ck->k", parts, parts)
         gain = squares[::2] + squares[1::2]
-        peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
-        if len(peaks) > LOCAL_MAXIMA:
-            peaks = peaks[np.argpartition(gain[peaks], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
+        peaks = _largest_peaks(gain)
         beside = between[k][alike[k] & (high[k] >= low[k])].ravel()
         bins = np.concatenate([peaks, beside])
         inner[0][:, k] = spectrum[:, 0]
@@ -146,6 +146,23 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     ranked = np.sort(height[height < np.inf])[-LOCAL_MAXIMA:]
     keep = np.flatnonzero(height >= (ranked[0] if len(ranked) else 0.0))
     return np.concatenate(theta)[keep], np.asarray(np.concatenate(inner, axis=1)[:, keep], complex)
+
+
+def _largest_peaks(gain: NDArray[np.float32]) -> NDArray[np.intp]:
+    """Return the bins of the largest local maxima, at most `LOCAL_MAXIMA` of them, without the first bin and the last.
+
+    In long spectra only bins above the largest of most blocks are looked at, if enough of them are maxima.
+    """
+    blocks = (len(gain) - 2) // BINS_OF_BLOCK
+    if blocks >= 8 * LOCAL_MAXIMA:
+        tops = np.max(gain[1 : 1 + blocks * BINS_OF_BLOCK].reshape(blocks, -1), axis=1)
+        high = np.flatnonzero(gain[1:-1] >= np.partition(tops, -2 * LOCAL_MAXIMA)[-2 * LOCAL_MAXIMA]) + 1
+        peaks = high[(gain[high] >= gain[high - 1]) & (gain[high] >= gain[high + 1])]
+    if blocks < 8 * LOCAL_MAXIMA or len(peaks) < LOCAL_MAXIMA:
+        peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
+    if len(peaks) <= LOCAL_MAXIMA:
+        return peaks
+    return np.asarray(peaks[np.argpartition(gain[peaks], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]])
 
 
 def _spectrum(scaled: NDArray[np.float32], length: int) -> NDArray[np.complex64]:

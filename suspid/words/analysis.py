@@ -259,8 +259,16 @@ class RecordCheck(Code):
     )
     LARGER_ELSEWHERE = (
         "larger elsewhere",
-        "Elsewhere the record moves {times:.0f} times as much (rms), most about {time:.4g} s: what is found holds for "
-        "small motion.",
+        sentence(
+            lambda n: (
+                f"Before the decay that is used, about {moment(n['time'])} s, the record moves {n['times']:.0f} times "
+                f"as much (rms): the decay is the end of another motion, as of what goes on where friction has stopped "
+                f"the rest."
+                if n["follows"]
+                else f"Elsewhere the record moves {n['times']:.0f} times as much (rms), most about "
+                f"{moment(n['time'])} s: what is found holds for small motion."
+            )
+        ),
     )
     ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     FEWER_CHANNELS = (
