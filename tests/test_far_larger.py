@@ -63,9 +63,9 @@ def followed(values: RealArray, *, start: float, stop: float) -> list[bool]:
     return [bool(note.numbers["follows"]) for note in larger_elsewhere(record, stretch)]
 
 
-@pytest.mark.parametrize(("ends", "follows"), [(20.0, [True]), (18.5, [True]), (13.9, []), (8.0, [])])
+@pytest.mark.parametrize(("ends", "follows"), [(20.0, [True]), (19.6, [True]), (18.4, []), (8.0, [])])
 def test_the_end_of_a_larger_motion_need_not_be_its_end_in_every_channel(ends: float, follows: list[bool]) -> None:
-    """Parts of four seconds that end up to two before the decay are followed by it at once: others are other events."""
+    """Parts of a second that end up to half of one before the decay are followed by it at once, others are not."""
     large = np.where((ends - 4 < TIME) & (ends > TIME), 30 * np.sin(9 * TIME), 0.0)
     assert followed(np.stack([large + KNOCK, KNOCK]), start=20.0, stop=24.0) == follows
 

@@ -97,6 +97,30 @@ class TestPrecision:
         doubted = wn > OPEN_WN and loud > LINE_OF_OTHER_MOTION
         assert {check.level for check in checks} == {Level.DOUBTFUL if doubted else Level.CARE}
 
+    @pytest.mark.parametrize(
+        ("spread", "doubted"),
+        [
+            ([0.3, 0.3, 0.3, 1e-3, 1e-3], True),
+            ([0.3, 0.3, 0.2, 1e-3, 1e-3], False),  # zeta of the third is known to a half
+            ([0.3, 0.3, 0.3, 1e-3, 1e-3, 1e-3], False),  # three of six are not most
+            ([0.3, 0.3], False),  # heavily damped cars have two
+        ],
+    )
+    def test_three_modes_and_most_of_all_that_are_hardly_known_are_doubtful(
+        self, spread: list[float], *, doubted: bool
+    ) -> None:
+        """``spread`` is the standard deviation of each damping ratio over its value."""
+        wn, zeta = [40.0 * (k + 1) for k in range(len(spread))], [0.1] * len(spread)
+        time = np.asarray(STEP * np.arange(1000), float)
+        found = identify(as_response(time, np.exp(-time)[None] * np.cos(40 * time), ["y"]))
+        std = [0.1 * share for share in spread]
+        of = ModalSet.from_wn_zeta(wn, zeta, wn_std=[1e-3] * len(spread), zeta_std=std)
+        shapes = np.ones((1, len(spread)), complex)
+        each = ModalSet(poles=of.poles, shapes=shapes, channels=("y",), covariance=of.covariance)
+        one = replace(found, modes=each, loudness=np.ones(len(wn)), forces=(), considered=())
+        checks = said(verdict_of(one), ModeCheck.MOSTLY_OPEN)
+        assert [check.level for check in checks] == [Level.DOUBTFUL] * doubted
+
     def test_figures_are_those_of_five_percent(self) -> None:
         # What a report calls roughly known: 5 % in frequency, 25 % in damping; unknown: an interval that reaches zero.
         assert (ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA) == (0.05, 0.25, 1.0)

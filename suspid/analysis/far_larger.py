@@ -99,8 +99,9 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
     """Return the note that every channel of a decay moves far more in another part of the record.
 
     Parts of the same length are compared, as a knock at the end of a record is short beside what was to be recorded; or
-    of a quarter of that, where the rest of the record is shorter. A channel that is held does not move. The note says
-    whether the decay follows the larger motion at once, and is its end.
+    of a quarter of that, where the rest of the record is shorter. A channel that is held does not move. Before that, a
+    quarter of the decay is compared with what it follows at once: where one channel moves far more, it is the end of
+    that motion.
 
     Examples
     --------
@@ -116,22 +117,23 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
     size, first = signal.values.shape[1], round((part.start - signal.start) / signal.step)
     last = first + part.values.shape[1]
     rows = [signal.channels.index(name) for name in part.channels if name in signal.channels]
-    room = max(first, size - last)
-    count = next((n for n in (last - first, (last - first) // QUARTER) if n <= room), 0)
-    if len(rows) < len(part.channels) or count < FEWEST_SAMPLES:
+    if len(rows) < len(part.channels):
         return ()
-    power = _powers(signal.values[rows], count)
-    starts = np.arange(size - count + 1)
-    apart = starts[(starts + count <= first) | (starts >= last)]
-    own = np.max(_powers(part.values, count), axis=1)
-    each = power[:, apart] / np.maximum(own, 1e-300)[:, None]
+    values, count = signal.values[rows], last - first
+    room = max(first, size - last)
     # The end of a motion need not be its end in every channel.
-    before = np.flatnonzero((apart + count <= first) & (apart + 1.5 * count > first))
-    for more, follows in ((np.max(each[:, before], axis=0), True), (np.min(each, axis=0), False)):
-        most = int(np.argmax(more)) if more.size else -1
-        if most >= 0 and FAR_MORE < more[most] < np.inf:
-            at = apart[before][most] if follows else apart[most]
-            time = signal.start + signal.step * float(at + count / 2)
+    looks = ((count // QUARTER, np.max, True), (count if count <= room else count // QUARTER, np.min, False))
+    for length, over_channels, follows in looks:
+        starts = np.arange(size - length + 1)
+        before = (starts + length <= first) & (starts + 1.5 * length > first)
+        at = starts[before if follows else (starts + length <= first) | (starts >= last)]
+        if length < FEWEST_SAMPLES or not at.size:
+            continue
+        own = np.max(_powers(part.values, length), axis=1)
+        more = over_channels(_powers(values, length)[:, at] / np.maximum(own, 1e-300)[:, None], axis=0)
+        most = int(np.argmax(more))
+        if FAR_MORE < more[most] < np.inf:
+            time = signal.start + signal.step * float(at[most] + length / 2)
             said = {"times": float(np.sqrt(more[most])), "time": time, "follows": follows}
             return (Remark(Note.LARGER_ELSEWHERE, said),)
     return ()

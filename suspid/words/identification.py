@@ -289,6 +289,15 @@ class ModeCheck(Code):
             )
         ),
     )
+    MOSTLY_OPEN = (
+        "mostly open",
+        sentence(
+            lambda n: (
+                f"{_modes(n['modes']).capitalize()}, most of all, are hardly known: as many poles follow any motion, "
+                f"as one that friction stops."
+            )
+        ),
+    )
     KNOWN_ROUGHLY = (
         "known roughly",
         sentence(lambda n: f"Mode {n['mode']}: {in_a_row(_rough(n))} of its value."),
