@@ -19,6 +19,7 @@ from suspid.greybox import Estimate, parameter_table
 from suspid.identification import (
     Identification,
     Repeats,
+    in_hertz,
     tables_of,
     tables_of_repeats,
     verdict_of,
@@ -32,7 +33,7 @@ from suspid.recordings import Recording
 from suspid.results import Result
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.words import Check, Defect, LeftOut, Level, ModeCheck, Note, Number, RecordCheck, Remark, Verdict
+from suspid.words import Check, Defect, LeftOut, Level, ModeCheck, Note, Number, Reason, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
@@ -262,6 +263,9 @@ def _of_recording(found: Analysis) -> Iterator[Check]:
         if remark.code is LeftOut.FINER_UNIT and (remark.numbers["others"] or UNNAMED_TIME.fullmatch(name)):
             guessed: dict[str, Number] = {"name": printable(name), **remark.numbers}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
+    of_start = [c.pole for c in found.identification.considered if c.remark.code is Reason.OF_START]
+    if of_start:
+        yield Check(Remark(RecordCheck.OF_START, {"hertz": in_hertz(of_start)}), Level.CARE)
     step = as_signal(held(found.cleaned, "record")).step
     if found.recording is not None and found.settings.fs is None and step >= SLOWEST_STEP:
         yield Check(Remark(RecordCheck.SLOW_SAMPLES, {"step": step, "rate": 1000 / step}), Level.CARE)

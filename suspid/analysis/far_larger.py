@@ -30,6 +30,8 @@ MORE = 10.0
 HARDLY_ANY = 0.03
 # Parts of this share of a decay are compared where there is no room for longer ones.
 QUARTER = 4
+# A motion is slower than another by this factor: a body beside the same body on its tires alone.
+SLOWER = 1.5
 # Two damping ratios are unlike if they differ by this share, and beyond chance: friction doubles that of the last
 # swings, and a decay whose damping is the same from any start is as well known by its end.
 UNLIKE = 0.25
@@ -100,8 +102,8 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
 
     Parts of the same length are compared, as a knock at the end of a record is short beside what was to be recorded; or
     of a quarter of that, where the rest of the record is shorter. A channel that is held does not move. Before that, a
-    quarter of the decay is compared with what it follows at once: where one channel moves far more, it is the end of
-    that motion.
+    quarter of the decay is compared with what it follows at once: where one channel moves far more, and more slowly
+    than any of the modes, it is the end of that motion.
 
     Examples
     --------
@@ -132,11 +134,23 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
         own = np.max(_powers(part.values, length), axis=1)
         more = over_channels(_powers(values, length)[:, at] / np.maximum(own, 1e-300)[:, None], axis=0)
         most = int(np.argmax(more))
-        if FAR_MORE < more[most] < np.inf:
+        slower = not follows or _moves_slower(values[:, at[most] : at[most] + length], signal.step, stretch)
+        if FAR_MORE < more[most] < np.inf and slower:
             time = signal.start + signal.step * float(at[most] + length / 2)
             said = {"times": float(np.sqrt(more[most])), "time": time, "follows": follows}
             return (Remark(Note.LARGER_ELSEWHERE, said),)
     return ()
+
+
+def _moves_slower(before: RealArray, step: Second, stretch: Used) -> bool:
+    """Return whether a motion is slower than any mode of the stretch after it: friction holds what moved slowly."""
+    if stretch.identification is None or not len(stretch.identification.modes):
+        return True
+    bent = before - before.mean(axis=1, keepdims=True)
+    power = np.abs(np.fft.rfft(bent * np.hanning(before.shape[1]), axis=1)) ** 2
+    strongest = power[np.argmax(np.sum(power, axis=1))]
+    wn = 2 * np.pi * float(np.argmax(strongest)) / (before.shape[1] * step)
+    return bool(wn * SLOWER < float(np.min(stretch.identification.modes.wn)))
 
 
 def _powers(values: RealArray, count: int) -> RealArray:

@@ -13,6 +13,7 @@ from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.far_larger import far_larger
 from suspid.analysis.first_rest import until_one_rests
 from suspid.analysis.forced_start import freed, later_starts, without_start
+from suspid.analysis.from_rest import from_rest
 from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
 from suspid.analysis.longer import longer, shared_modes, with_identification
@@ -69,7 +70,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
         best = sounder if sounder.used == best.used else longer(record, sounder, settings)
         free = _once_free(record, best, settings)
         free = free if free.used == best.used else longer(record, free, settings)
-        return until_one_rests(record, free, settings)
+        return until_one_rests(record, from_rest(record, free, settings), settings)
     decays = find_decays(record)
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")

@@ -34,6 +34,7 @@ from suspid.identification.noise import (
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
 from suspid.identification.parts import residual_of_part
 from suspid.identification.pulses import FORCED
+from suspid.identification.removed_checks import in_hertz
 from suspid.identification.repeats import Repeats
 from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.identification.stabilization import Stabilization, stabilization
@@ -65,6 +66,7 @@ __all__ = [
     "identify",
     "identify_linear",
     "identify_repeats",
+    "in_hertz",
     "lag_one",
     "modes_from_dict",
     "modes_to_dict",

@@ -37,8 +37,18 @@ def check_removed(found: Identification, reason: Reason, check: ModeCheck, level
 
 def _named(poles: Sequence[complex], check: ModeCheck, level: Level) -> Iterator[Check]:
     if poles:
-        hertz = ", ".join([f"{abs(pole) / (2 * np.pi):.4g}" for pole in poles[:4]] + ["…"] * (len(poles) > 4))
-        yield check_of(check, level, {"number": len(poles), "hertz": hertz})
+        yield check_of(check, level, {"number": len(poles), "hertz": in_hertz(poles)})
+
+
+def in_hertz(poles: Sequence[complex]) -> str:
+    """Return the frequencies of the first poles, to be named.
+
+    Examples
+    --------
+    >>> in_hertz([-1 + 10j, -1 + 20j])
+    '1.599, 3.187'
+    """
+    return ", ".join([f"{abs(pole) / (2 * np.pi):.4g}" for pole in poles[:4]] + ["…"] * (len(poles) > 4))
 
 
 def check_dropped(found: Identification) -> Iterator[Check]:

@@ -257,6 +257,11 @@ class RecordCheck(Code):
         "No stretch is a free decay beyond doubt. The largest motion is used, which shows the same modes from several "
         "starts on.",
     )
+    OF_START = (
+        "of start",
+        "Motion that dies soon after the release, at {hertz} Hz, is not among the modes: a force that ends looks the "
+        "same as modes that are damped heavily.",
+    )
     LARGER_ELSEWHERE = (
         "larger elsewhere",
         sentence(
