@@ -26,6 +26,8 @@ PATIENCE = STARTS_A_PERIOD // 2
 # Releases that are looked at, the deepest falls first, at most and at least. Each costs half a second.
 MOST_RELEASES = 8
 FEWEST_RELEASES = 2
+# Of the rates of channels, only what has this many times the power of their noise counts.
+ABOVE_NOISE = 20.0
 # Without a release among as many, no more are looked at: the motion is driven throughout.
 NONE_FREE = 4
 
@@ -69,10 +71,12 @@ def releases(signal: Signal, finest: RealArray) -> tuple[list[tuple[int, int]], 
     """
     found = list[tuple[int, int]]()
     scaled = _over_noise(signal.values, finest)
-    period = _period(scaled)
-    deepest = sorted(_valleys(scaled, period), key=lambda valley: -valley.fall)[:MOST_RELEASES]
-    # Of a single one, the free end is looked for.
-    if len(deepest) < FEWEST_RELEASES:
+    for period in _periods(scaled):
+        deepest = sorted(_valleys(scaled, period), key=lambda valley: -valley.fall)[:MOST_RELEASES]
+        if len(deepest) >= FEWEST_RELEASES:
+            break
+    else:
+        # Of a single one, the free end is looked for.
         return [], 0
     looked = 0
     for looked, valley in enumerate(deepest, 1):
@@ -96,14 +100,19 @@ def _over_noise(values: RealArray, finest: RealArray) -> RealArray:
     return np.asarray(about / np.sqrt(np.maximum(white, 1e-300))[:, None])
 
 
-def _period(scaled: RealArray) -> int:
-    """Return the samples of a period of the strongest line of all channels."""
-    count = scaled.shape[1]
-    power = np.sum(np.abs(np.fft.rfft(scaled * np.hanning(count), axis=1)) ** 2, axis=0)
+def _periods(scaled: RealArray) -> list[int]:
+    """Return the samples of a period of the strongest line of all channels, then of that of their rates.
+
+    What is pushed slowly, and held, moves furthest at the frequency at which that is repeated.
+    """
+    channels, count = scaled.shape
+    window = np.hanning(count)
+    power = np.sum(np.abs(np.fft.rfft(scaled * window, axis=1)) ** 2, axis=0)
     # What makes fewer cycles is drift.
     power[:3] = 0.0
-    strongest = max(int(np.argmax(power)), 1)
-    return int(max(4, round(count / strongest)))
+    rates = np.maximum(power - ABOVE_NOISE * channels * np.sum(window**2), 0.0) * np.arange(len(power)) ** 2
+    strongest = [max(int(np.argmax(each)), 1) for each in (power, rates)]
+    return [int(max(4, round(count / line))) for line in dict.fromkeys(strongest)]
 
 
 def _valleys(scaled: RealArray, period: int) -> Iterator[Valley]:
