@@ -263,7 +263,11 @@ def _of_recording(found: Analysis) -> Iterator[Check]:
         if remark.code is LeftOut.FINER_UNIT and (remark.numbers["others"] or UNNAMED_TIME.fullmatch(name)):
             guessed: dict[str, Number] = {"name": printable(name), **remark.numbers}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
-    of_start = [c.pole for c in found.identification.considered if c.remark.code is Reason.OF_START]
+    of_start = [
+        c.pole
+        for c in found.identification.considered
+        if c.remark.code is Reason.OF_START and c.remark.numbers.get("released")
+    ]
     if of_start:
         yield Check(Remark(RecordCheck.OF_START, {"hertz": in_hertz(of_start)}), Level.CARE)
     step = as_signal(held(found.cleaned, "record")).step

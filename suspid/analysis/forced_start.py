@@ -65,11 +65,14 @@ def behind_blow(found: Identification) -> Second | None:
     return FLASH_OVER[-1] / min(brief) if brief else None
 
 
-def without_start(found: Identification, later: Identification) -> Identification:
-    """Return what a later start has, with what was left out among the poles that were considered."""
+def without_start(found: Identification, later: Identification, *, released: bool = False) -> Identification:
+    """Return what a later start has, with what was left out among the poles that were considered.
+
+    Where a mass was ``released`` from rest, no force may have acted: that is said with the verdict.
+    """
     apart = np.min(np.abs(found.modes.poles[:, None] - later.modes.poles), axis=1)
     lost = found.modes.poles[apart >= SAME_POLE * found.modes.wn]
-    remark = Remark(Reason.OF_START)
+    remark = Remark(Reason.OF_START, {"released": True} if released else {})
     said = tuple(Considered(pole=complex(pole), remark=remark, removed=False) for pole in lost)
     return replace(later, considered=(*later.considered, *said))
 

@@ -23,6 +23,8 @@ from suspid.words import Level
 if TYPE_CHECKING:
     import control
 
+# A decay begins within this part of a period of its slowest mode after a rest, or what was between is a push.
+SOON = 0.5
 # A mode that dies soon after a release is one if its frequency and its damping ratio are known to these shares.
 KNOWN_TO, DAMPING_TO = 0.1, 0.25
 # The further mode that lasts longest is the same from as many nepers later on: of a force that falls for a while, a
@@ -57,18 +59,18 @@ def from_rest(record: control.TimeResponseData, best: Used, settings: Settings) 
         more = tried(used.record, settings)
         if more is not None and _shows_more(more, found):
             lasts = _lasts(more, found, used, settings)
-            told = replace(best, identification=without_start(more, found))
+            told = replace(best, identification=without_start(more, found, released=True))
             return replace(used, identification=more) if lasts else told
     return best
 
 
 def _left_rest(record: control.TimeResponseData, start: Second, period: Second) -> Second | None:
-    """Return when a rest ends less than a period before a decay begins; None where there is no such rest."""
+    """Return when a rest ends that a decay begins soon after; None where there is no such rest."""
     signal = as_signal(record)
     until = signal.timepts < start + period
     first = rests_until(signal.values[:, until])
     left = signal.start + signal.step * first
-    return left if first and start - period < left < start else None
+    return left if first and start - SOON * period < left < start else None
 
 
 def _shows_more(more: Identification, found: Identification) -> bool:

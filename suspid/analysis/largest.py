@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.analysis.between_knocks import between_knocks, smoothest
 from suspid.analysis.choice import damping_known, level_of, settled_by_forces, tried
-from suspid.analysis.far_larger import hardly_any, larger_elsewhere
+from suspid.analysis.far_larger import hardly_any, larger_elsewhere, shows_the_same
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.shrinking import longest_shrinking, shrinking
@@ -66,13 +66,16 @@ def of_largest(
     """
     if not questioned(found, settings):
         return None
-    if len(found.modes) and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL:
-        return None
     beside = bool(len(found.modes))
-    largest = not beside or hardly_any(record, stretch) or bool(larger_elsewhere(record, stretch))
+    elsewhere = _larger_elsewhere(record, stretch, found) if beside else None
+    if beside and elsewhere is None and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL:
+        return None
+    largest = not beside or elsewhere is not None or hardly_any(record, stretch)
     record = of_channels(record, as_signal(stretch.record).channels)
     doubtful: Used | None = None
     for motion in _motions(record, largest=largest, beside=beside):
+        if elsewhere is not None and not motion.first <= elsewhere <= motion.last:
+            continue
         # Modes that are doubtful of themselves, as those of the hand that catches a swing, may be larger.
         if beside and found.verdict.level > Level.DOUBTFUL and not _as_large(motion, stretch):
             continue
@@ -86,6 +89,12 @@ def of_largest(
             return used
         doubtful = doubtful or used
     return doubtful
+
+
+def _larger_elsewhere(record: control.TimeResponseData, stretch: Used, found: Identification) -> Second | None:
+    """Return when a record moves far more elsewhere, where no decay shows the same modes; None where it does not."""
+    times = [float(str(note.numbers["time"])) for note in larger_elsewhere(record, stretch)]
+    return next((time for time in times if not shows_the_same(stretch.decays, time, found.modes)), None)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -101,9 +101,10 @@ def _over_noise(values: RealArray, finest: RealArray) -> RealArray:
 
 
 def _periods(scaled: RealArray) -> list[int]:
-    """Return the samples of a period of the strongest line of all channels, then of that of their rates.
+    """Return the samples of a period of the strongest line of all channels.
 
-    What is pushed slowly, and held, moves furthest at the frequency at which that is repeated.
+    Then of that of their rates, if the first may be as few pushes as are looked at: what is pushed slowly, and held,
+    moves furthest at the frequency at which that is repeated.
     """
     channels, count = scaled.shape
     window = np.hanning(count)
@@ -111,8 +112,8 @@ def _periods(scaled: RealArray) -> list[int]:
     # What makes fewer cycles is drift.
     power[:3] = 0.0
     rates = np.maximum(power - ABOVE_NOISE * channels * np.sum(window**2), 0.0) * np.arange(len(power)) ** 2
-    strongest = [max(int(np.argmax(each)), 1) for each in (power, rates)]
-    return [int(max(4, round(count / line))) for line in dict.fromkeys(strongest)]
+    lines = [max(int(np.argmax(each)), 1) for each in (power, rates)]
+    return [int(max(4, round(count / line))) for line in lines[: 2 if lines[0] <= MOST_RELEASES else 1]]
 
 
 def _valleys(scaled: RealArray, period: int) -> Iterator[Valley]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.classification import fading
 from suspid.identification.fitting import OTHER_FREQUENCY
@@ -13,8 +14,8 @@ from suspid.identification.harmonics import HIGHEST, combination_of, multiple_of
 from suspid.identification.nonlinear import MULTIPLE
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
-from suspid.units import Ratio, Second
-from suspid.words import Reason, Remark
+from suspid.units import Second
+from suspid.words import Number, Reason, Remark
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,9 +76,10 @@ def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[
     """Return what was fitted but is no mode, then what was tried and not kept."""
     removed = []
     lost = fading(selection.fit, selection.loudness) if Reason.TONE in selection.reasons else np.zeros(0)
+    larger = _larger_than_modes(selection)
     for k, (theta, reason) in enumerate(zip(selection.fit.poles.every.tolist(), selection.reasons, strict=True)):
         if reason is not None:
-            faded = float(lost[k]) if reason is Reason.TONE else 0.0
+            faded = {"share": float(lost[k]), "largest": bool(larger[k])} if reason is Reason.TONE and lost[k] else {}
             remark = _remark(reason, complex(theta) / step, modes, faded)
             removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
     left = tuple(
@@ -87,7 +89,7 @@ def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[
     return (*removed, *left)
 
 
-def _remark(reason: Reason, pole: complex, modes: ModalSet, faded: Ratio) -> Remark:
+def _remark(reason: Reason, pole: complex, modes: ModalSet, faded: Mapping[str, Number]) -> Remark:
     """Return why a pole that was fitted is no mode, with the modes it belongs to."""
     if reason in (Reason.HARMONIC, Reason.COMBINATION) and not len(modes):
         return Remark(Reason.OF_NO_MODE)
@@ -97,7 +99,16 @@ def _remark(reason: Reason, pole: complex, modes: ModalSet, faded: Ratio) -> Rem
     if reason is Reason.COMBINATION:
         one, other, word = combination_of(modes, pole)
         return Remark(reason, {"mode": one, "other": other, "word": word})
-    return Remark(reason, {"share": faded} if faded else {})
+    return Remark(reason, faded)
+
+
+def _larger_than_modes(selection: Selection) -> NDArray[np.bool_]:
+    """Return which free poles carry more energy, over the noise of all channels, than all modes together, (pole,)."""
+    fit = selection.fit
+    falls = np.maximum(-2 * fit.poles.every.real * fit.count, 1e-9)
+    sizes = np.abs(fit.amplitudes[fit.poles.rows]) ** 2 / np.maximum(fit.squares / fit.freedom, 1e-300)
+    energies = np.sum(sizes, axis=1) * -np.expm1(-falls) / falls
+    return np.asarray(energies > np.sum(energies[selection.modes]))
 
 
 def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:

@@ -26,7 +26,9 @@ def check_tones(found: Identification) -> Iterator[Check]:
         yield from _named(begun, ModeCheck.BEGUN_TONES, Level.DOUBTFUL)
     else:
         fading = [c.pole for c in tones if c.remark.numbers]
-        yield from _named(fading, ModeCheck.FADING_TONES, Level.CARE)
+        # What moves more than all of the modes is what was recorded.
+        largest = any(c.remark.numbers.get("largest") for c in tones)
+        yield from _named(fading, ModeCheck.FADING_TONES, Level.DOUBTFUL if largest else Level.CARE)
     yield from _named([c.pole for c in tones if not c.remark.numbers], ModeCheck.STEADY_TONES, Level.NOTE)
 
 
