@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.background import with_background
 from suspid.analysis.begun_tones import with_begun_tones
+from suspid.analysis.between_rests import between_rests
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified, level_of
 from suspid.analysis.commanded import after_commands
@@ -277,7 +278,7 @@ def _identified(
                 return asked.identification if repeats is None else repeats.each[0], repeats, asked
         if wave:
             return kept, None, doubted_as_wave(stretch)
-        for part_of in (from_later, of_largest):
+        for part_of in (from_later, between_rests, of_largest):
             part = part_of(whole, stretch, kept, settings)
             if part is not None and part.identification is not None:
                 kept, stretch = part.identification, part

@@ -9,7 +9,7 @@ from suspid.errors import SuspidError
 from suspid.identification import Identification, identify
 from suspid.samples import as_samples, held
 from suspid.signals import Signal, as_signal
-from suspid.units import Decibel, RealArray
+from suspid.units import Decibel, Ratio, RealArray
 from suspid.words import DecayDoubt, Remark
 
 # A rest is of at least this many samples; it is left where two in a row are this many standard deviations from its
@@ -35,10 +35,11 @@ def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Dec
     return as_decay(found, part, (first, last), level=level)
 
 
-def rests_until(values: RealArray) -> int:
+def rests_until(values: RealArray, *, most: Ratio = 0.5) -> int:
     """Return the first sample (channel, sample) that has left a rest at the start, within noise; 0 without such a rest.
 
-    There a channel is far from the mean of all samples before, and so is the next one; then it moves much further.
+    A rest takes at most a share of the samples. There a channel is far from the mean of all samples before, and so is
+    the next one; then it moves much further.
 
     Examples
     --------
@@ -47,7 +48,7 @@ def rests_until(values: RealArray) -> int:
     >>> rests_until((held + noise)[None]), rests_until((held + noise)[None, 150:])
     (151, 0)
     """
-    first = values[:, : values.shape[1] // 2]
+    first = values[:, : int(most * values.shape[1])]
     if first.shape[1] <= FEWEST_OF_REST:
         return 0
     about = first - first[:, :1]

@@ -102,6 +102,15 @@ class Note(Code):
             )
         ),
     )
+    BETWEEN_RESTS = (
+        "between rests",
+        sentence(
+            lambda n: (
+                f"no stretch is a free decay of its own; the motion between two rests is used, from "
+                f"{moment(float(str(n['start'])))} to {moment(float(str(n['stop'])))} s"
+            )
+        ),
+    )
     LARGEST_USED = (
         "largest used",
         sentence(

@@ -1,0 +1,68 @@
+"""The motion between two rests within noise, where no mode was found: friction stops what was let go."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.choice import settled, tried
+from suspid.analysis.settings import Settings
+from suspid.analysis.stretch import swings
+from suspid.analysis.support import questioned
+from suspid.analysis.used import Used, instead_of
+from suspid.decays import rests_until
+from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.records import cut, of_channels
+from suspid.signals import as_signal
+from suspid.units import RealArray
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Rests that are looked for take at most these shares of a record, before the motion and after it.
+REST_BEFORE, REST_AFTER = 0.9, 0.97
+# The motion passes the level of its last rest at least this often, by this share of its size: a pulse of force does
+# not.
+PASSES, BY_SHARE = 2, 0.03
+# The first samples that have left a rest may be of it, and so may be the last ones before one.
+SAMPLES_LEFT = (0, 2, 4)
+
+
+def between_rests(
+    record: control.TimeResponseData, stretch: Used, found: Identification, settings: Settings
+) -> Used | None:
+    """Return the motion between two rests if modes and forces explain it down to its noise; None where they do not.
+
+    Few cycles that friction stops are no damped exponentials, and the quick fits of the search for decays refuse them.
+    """
+    if len(found.modes) or not questioned(found, settings):
+        return None
+    record = of_channels(record, as_signal(stretch.record).channels)
+    signal = as_signal(record)
+    size = signal.values.shape[1]
+    first = rests_until(signal.values, most=REST_BEFORE)
+    last = size - rests_until(signal.values[:, ::-1], most=REST_AFTER)
+    if not first or last == size or last - first < FEWEST_SAMPLES + 2 * SAMPLES_LEFT[-1]:
+        return None
+    if not _passes(signal.values[:, first:], last - first):
+        return None
+    for samples in SAMPLES_LEFT:
+        start, stop = (signal.start + signal.step * place for place in (first + samples, last - 1 - samples))
+        part = cut(record, start=start, stop=stop)
+        moved = tried(part, settings)
+        if moved is not None and settled(moved) and moved.forces and swings(moved.modes):
+            notes = (Remark(Note.BETWEEN_RESTS, {"start": start, "stop": stop}),)
+            used = Used(record=part, decays=stretch.decays, used=(), notes=notes, identification=moved)
+            return instead_of(stretch, used)
+    return None
+
+
+def _passes(values: RealArray, last: int) -> bool:
+    """Return whether the largest motion passes the level of what follows it often enough for a swing."""
+    about = values - np.median(values[:, last:], axis=1, keepdims=True)
+    largest = np.max(np.abs(about), axis=1)
+    moves = about[np.argmax(largest / np.maximum(np.std(values[:, last:], axis=1), 1e-300))]
+    far = np.sign(moves[np.abs(moves) > BY_SHARE * np.max(np.abs(moves))])
+    return int(np.count_nonzero(np.diff(far))) >= PASSES
