@@ -78,11 +78,24 @@ class TestOfLargest:
         assert [note.code for note in used.notes] == [Note.LARGEST_USED]
         assert 4 < as_signal(used.record).start < 7
 
-    def test_modes_that_are_not_doubtful_stay(self) -> None:
+    def test_modes_that_are_not_doubtful_stay_where_the_larger_motion_has_them_too(self) -> None:
         whole, part = self.stretch(20.0, self.swing + 0.02 * self.noise)
         found = identify(part.record)
         assert found.verdict.level > Level.DOUBTFUL
         assert of_largest(whole.record, part, found, Settings()) is None
+
+    def test_those_of_a_knock_give_way_to_a_far_larger_motion(self) -> None:
+        """Two modes beat, and a knock fifty times as small comes at the end."""
+        since, late = np.maximum(self.t - 5, 0), np.maximum(self.t - 25, 0)
+        lasting = np.exp(-0.25 * since) * (np.sin(12 * since) + 0.9 * np.sin(13.1 * since))
+        whole, part = self.stretch(25.0, lasting + 0.02 * np.exp(-1.2 * late) * np.sin(50 * late) + 0.005 * self.noise)
+        found = identify(part.record)
+        assert found.modes.wn == pytest.approx([50], rel=0.01)
+        assert found.verdict.level > Level.DOUBTFUL
+        used = of_largest(whole.record, part, found, Settings())
+        assert used is not None
+        assert used.identification is not None
+        assert used.identification.modes.wn == pytest.approx([12, 13.1], rel=0.01)
 
     def test_a_swing_of_many_is_no_result_where_all_of_them_are(self) -> None:
         """Two modes beat: the swing is as large as any other, and the record does not move more elsewhere."""

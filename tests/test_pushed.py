@@ -54,6 +54,23 @@ class TestReleases:
         values = np.sin(8 * time) + 0.02 * np.random.default_rng(1).standard_normal((1, 3000))
         assert releases(as_signal(as_response(time, values, ["z"])), np.zeros(1)) == ([], 0)
 
+    def test_what_is_pushed_down_slowly_and_held_is_released_each_time(self) -> None:
+        """Four times in 28 s; what was pushed to swings back, damped, at 1.3 Hz."""
+        time = np.arange(2800) / 100
+        height = np.zeros(time.size)
+        for first in (1.0, 8.0, 15.0, 21.5):
+            down, free = np.clip((time - first) / 0.7, 0, 1), time - first - 1.2
+            swing = np.exp(-1.6 * free) * (np.cos(8 * free) + 0.2 * np.sin(8 * free))
+            held = -12 * np.sin(0.5 * np.pi * down) ** 2
+            height += np.where(free < 0, held, np.where(free < 5, -12 * swing, 0.0))
+        noise = 0.1 * np.random.default_rng(1).standard_normal((2, time.size))
+        signal = as_signal(as_response(time, np.stack([height, 0.5 * height]) + noise, ["front", "rear"]))
+        found, looked = releases(signal, finest(signal.values))
+        starts = time[[first for first, _ in found]]
+        assert looked == 4
+        assert len(starts) >= 3
+        assert np.all(np.min(np.abs(starts[:, None] - np.array([2.2, 9.2, 16.2, 22.7])), axis=1) < 0.3)
+
     def test_noise_in_bursts_has_none(self) -> None:
         time = np.arange(4000) / 100
         loud = 1 + 20 * (np.sin(0.8 * time) > 0)

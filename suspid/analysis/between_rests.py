@@ -11,7 +11,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used, instead_of
-from suspid.decays import rests_until
+from suspid.decays import rest_of
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
 from suspid.signals import as_signal
@@ -42,8 +42,8 @@ def between_rests(
     record = of_channels(record, as_signal(stretch.record).channels)
     signal = as_signal(record)
     size = signal.values.shape[1]
-    first = rests_until(signal.values, most=REST_BEFORE)
-    last = size - rests_until(signal.values[:, ::-1], most=REST_AFTER)
+    first = rest_of(signal.values, most=REST_BEFORE)
+    last = size - rest_of(signal.values[:, ::-1], most=REST_AFTER)
     if not first or last == size or last - first < FEWEST_SAMPLES + 2 * SAMPLES_LEFT[-1]:
         return None
     if not _passes(signal.values[:, first:], last - first):

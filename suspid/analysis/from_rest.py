@@ -12,7 +12,7 @@ from suspid.analysis.forced_start import SAME_POLE, without_start
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import Decays, rests_until
+from suspid.decays import Decays, rest_of
 from suspid.identification import Identification
 from suspid.levels import SURE
 from suspid.records import cut, of_channels
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 SOON = 0.5
 # A mode that dies soon after a release is one if its frequency and its damping ratio are known to these shares.
 KNOWN_TO, DAMPING_TO = 0.1, 0.25
+# What is damped by more than this makes no swing: a force that falls looks the same.
+NO_SWING = 0.8
 # The further mode that lasts longest is the same from as many nepers later on: of a force that falls for a while, a
 # later start sees less, and what looks like a mode falls faster.
 NEPERS_LATER = 1.0
@@ -68,7 +70,7 @@ def _left_rest(record: control.TimeResponseData, start: Second, period: Second) 
     """Return when a rest ends that a decay begins soon after; None where there is no such rest."""
     signal = as_signal(record)
     until = signal.timepts < start + period
-    first = rests_until(signal.values[:, until])
+    first = rest_of(signal.values[:, until])
     left = signal.start + signal.step * first
     return left if first and start - SOON * period < left < start else None
 
@@ -91,7 +93,7 @@ def _lasts(more: Identification, found: Identification, used: Used, settings: Se
     """
     poles = more.modes.poles
     further = np.min(np.abs(poles[:, None] - found.modes.poles), axis=1) >= SAME_POLE * np.abs(poles)
-    if not further.any():
+    if not further.any() or np.any(more.modes.zeta[further] > NO_SWING):
         return False
     last = int(np.argmin(np.where(further, -poles.real, np.inf)))
     start = as_signal(used.record).start - NEPERS_LATER / float(poles[last].real)

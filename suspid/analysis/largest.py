@@ -59,22 +59,24 @@ def of_largest(
 ) -> Used | None:
     """Return the largest motion of a record where modes are the same from several starts; None if they are not.
 
-    ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless it is doubtful
-    and the record moves far more elsewhere, the decay has next to nothing of its motion, or swings shrink for most of
-    the record. Of each motion, the first start is used whose modes another shows too; a motion beyond doubt comes
-    before one that is doubtful.
+    ``found`` is what the search for decays led to: nothing else is sought where that has modes, unless the record moves
+    far more elsewhere, with other modes, or it is doubtful and the decay has next to nothing of the motion, or swings
+    shrink for most of the record. Of each motion, the first start is used whose modes another shows too; a motion
+    beyond doubt comes before one that is doubtful.
     """
     if not questioned(found, settings):
         return None
     beside = bool(len(found.modes))
     elsewhere = _larger_elsewhere(record, stretch, found) if beside else None
-    if beside and elsewhere is None and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL:
+    clear = beside and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
+    if clear and elsewhere is None:
         return None
     largest = not beside or elsewhere is not None or hardly_any(record, stretch)
     record = of_channels(record, as_signal(stretch.record).channels)
     doubtful: Used | None = None
     for motion in _motions(record, largest=largest, beside=beside):
-        if elsewhere is not None and not motion.first <= elsewhere <= motion.last:
+        # What is clear gives way to the motion that is far larger, and to no other.
+        if clear and elsewhere is not None and not motion.first <= elsewhere <= motion.last:
             continue
         # Modes that are doubtful of themselves, as those of the hand that catches a swing, may be larger.
         if beside and found.verdict.level > Level.DOUBTFUL and not _as_large(motion, stretch):
@@ -86,9 +88,11 @@ def of_largest(
         notes = (Remark(Note.FEWER_CHANNELS, {"names": out}),) if out else ()
         used = instead_of(stretch, replace(used, decays=stretch.decays, notes=(*notes, *used.notes)))
         if used.identification is not None and used.identification.verdict.level > Level.DOUBTFUL:
-            return used
+            more = len(used.identification.modes) > len(found.modes)
+            same = clear and not more and shared_modes([found, used.identification])[0] == 1.0
+            return None if same else used
         doubtful = doubtful or used
-    return doubtful
+    return None if clear else doubtful
 
 
 def _larger_elsewhere(record: control.TimeResponseData, stretch: Used, found: Identification) -> Second | None:

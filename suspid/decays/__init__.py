@@ -13,7 +13,7 @@ from suspid.decays.find_decays import find_decays
 from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, share_of
 from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
-from suspid.decays.rests import rests_until
+from suspid.decays.rests import rest_of
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import FEWEST_EARLY, FEWEST_STRETCHES, TRIAL_PARTS, unexplained
 
@@ -36,8 +36,8 @@ __all__ = [
     "is_grave",
     "not_far_weaker",
     "releases_before",
+    "rest_of",
     "rests_from",
-    "rests_until",
     "share_of",
     "unexplained",
 ]

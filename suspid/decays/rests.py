@@ -16,6 +16,8 @@ from suspid.words import DecayDoubt, Remark
 # mean. The motion that follows is this many times as large as they. A motion that begins with the first sample is never
 # as far from its own mean.
 FEWEST_OF_REST, FAR_FROM_REST, MUCH_FURTHER = 12, 5.0, 30.0
+# Samples without which a rest is looked for, one after the other.
+LEFT_OUT = (0, 20, 40)
 # The rest is compared without this share of its end; its variance is at most this many times that of white noise with
 # the same steps between samples: smooth motion has more.
 LOOKED_BACK, NOISE_ALONE, NEAR_REST = 0.6, 2.0, 2.0
@@ -76,6 +78,26 @@ def rests_until(values: RealArray, *, most: Ratio = 0.5) -> int:
     near = np.flatnonzero(np.abs(about[row, :start] - means[row, start - 1]) < NEAR_REST * size)
     left = int(near[-1]) + 1 if near.size else start
     return max(1, left - int((start - left) / (np.sqrt(FAR_FROM_REST / NEAR_REST) - 1)))
+
+
+def rest_of(values: RealArray, *, most: Ratio = 0.5) -> int:
+    """Return the first sample that has left a rest at the start, also where some of the first are far off by chance.
+
+    Of few samples of a rest, two that follow may be far from the others: then it is looked for without them.
+
+    Examples
+    --------
+    >>> noise = 0.01 * np.random.default_rng(1).standard_normal(400)
+    >>> noise[8:10] += 0.1
+    >>> held = np.where(np.arange(400) < 150, 1.0, np.cos(0.1 * (np.arange(400) - 150)))
+    >>> rests_until((held + noise)[None]), rest_of((held + noise)[None])
+    (0, 151)
+    """
+    for left_out in LEFT_OUT:
+        rest = rests_until(values[:, left_out:], most=most)
+        if rest:
+            return left_out + rest
+    return 0
 
 
 def as_decay(
