@@ -87,8 +87,9 @@ class TestOfLargest:
     def test_those_of_a_knock_give_way_to_a_far_larger_motion(self) -> None:
         """Two modes beat, and a knock fifty times as small comes at the end."""
         since, late = np.maximum(self.t - 5, 0), np.maximum(self.t - 25, 0)
-        lasting = np.exp(-0.25 * since) * (np.sin(12 * since) + 0.9 * np.sin(13.1 * since))
-        whole, part = self.stretch(25.0, lasting + 0.02 * np.exp(-1.2 * late) * np.sin(50 * late) + 0.005 * self.noise)
+        beats = np.exp(-0.2 * since) * (np.sin(12 * since) + 0.9 * np.sin(13.1 * since)) * (self.t < 22)
+        knock = np.where(self.t >= 25, np.exp(-1.2 * late) * np.sin(50 * late), 0.0)
+        whole, part = self.stretch(25.0, beats + 0.02 * knock + 0.002 * self.noise)
         found = identify(part.record)
         assert found.modes.wn == pytest.approx([50], rel=0.01)
         assert found.verdict.level > Level.DOUBTFUL
@@ -96,6 +97,16 @@ class TestOfLargest:
         assert used is not None
         assert used.identification is not None
         assert used.identification.modes.wn == pytest.approx([12, 13.1], rel=0.01)
+
+    def test_modes_among_which_those_of_the_larger_motion_are_stay(self) -> None:
+        """It goes on at the end, as loud as the knock."""
+        since, late = np.maximum(self.t - 5, 0), np.maximum(self.t - 25, 0)
+        beats = np.exp(-0.2 * since) * (np.sin(12 * since) + 0.9 * np.sin(13.1 * since))
+        knock = np.where(self.t >= 25, np.exp(-1.2 * late) * np.sin(50 * late), 0.0)
+        whole, part = self.stretch(25.0, beats + 0.02 * knock + 1e-4 * self.noise)
+        found = identify(part.record)
+        assert found.modes.wn == pytest.approx([12, 13.1, 50], rel=0.01)
+        assert of_largest(whole.record, part, found, Settings()) is None
 
     def test_a_swing_of_many_is_no_result_where_all_of_them_are(self) -> None:
         """Two modes beat: the swing is as large as any other, and the record does not move more elsewhere."""

@@ -89,7 +89,7 @@ def of_largest(
         used = instead_of(stretch, replace(used, decays=stretch.decays, notes=(*notes, *used.notes)))
         if used.identification is not None and used.identification.verdict.level > Level.DOUBTFUL:
             more = len(used.identification.modes) > len(found.modes)
-            same = clear and not more and shared_modes([found, used.identification])[0] == 1.0
+            same = clear and not more and shared_modes([used.identification, found])[0] == 1.0
             return None if same else used
         doubtful = doubtful or used
     return None if clear else doubtful
