@@ -363,7 +363,7 @@ class TestGaps:
             values[start : start + 5] = 2.0 + values[start]
         with pytest.raises(
             RecordError,
-            match=r"gaps in 1[12] % of its samples; up to 10 % are filled; 2\d\d samples of them are in the file and "
+            match=r"gaps in 1[12] % of its samples; up to 10 % are filled; 2\d\d samples of the file "
             r"are treated as missing, as faults of the sensor: \d+ runs of exactly one value, up to 5 samples long, "
             r"ended by a jump; take a better stretch",
         ):

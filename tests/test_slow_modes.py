@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import analyse, identify
+from suspid import analyse, as_record, identify
 from suspid.analysis.begun_tones import with_begun_tones
 from suspid.identification import Considered, Identification
 from suspid.identification.verdict import verdict_of
@@ -136,3 +136,13 @@ def test_a_pole_fades_if_it_loses_more_than_sources_of_hum_do(nepers: float, fad
     found = identify(as_response(time, values[None], ["tip"]))
     (tone,) = [one.remark for one in found.considered if one.remark.code is Reason.TONE]
     assert ("share" in tone.numbers) is fades
+
+
+@pytest.mark.parametrize(("size", "level"), [(1.0, Level.DOUBTFUL), (6.0, Level.CARE)])
+def test_a_tone_that_fades_and_moves_more_than_all_modes_is_what_was_recorded(size: float, level: Level) -> None:
+    """Of the energies over ten seconds, the tone has 4.5 and the mode 0.4 times the square of its size."""
+    time = np.arange(2000) / 200
+    motion = size * np.exp((-0.6 + 60j) * time).imag + np.exp((-0.012 + 9j) * time).imag
+    found = identify(as_record(motion + 0.3 * np.random.default_rng(1).standard_normal(time.size), timepts=time))
+    (said,) = [check for check in found.verdict.checks if check.remark.code is ModeCheck.FADING_TONES]
+    assert said.level is level

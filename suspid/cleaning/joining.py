@@ -189,7 +189,7 @@ def _not_believed(names: Sequence[str], taken: Sequence[Finding]) -> str:
         return ""
     whys = "; ".join(finding.text.removesuffix(AS_MISSING) for finding in of)
     there = count(sum(finding.samples for finding in of), "sample")
-    return f"{there} of them are in the file and are treated as missing, as faults of the sensor: {whys}; "
+    return f"{there} of the file are treated as missing, as faults of the sensor: {whys}; "
 
 
 def _gappy(name: str, times: RealArray, filled: Filled) -> Finding:

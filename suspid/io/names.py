@@ -35,7 +35,7 @@ KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
 TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
-TIME_NAMES |= {"timeelapsed", "timesincestart", "uptime"} | (
+TIME_NAMES |= {"timed", "timeelapsed", "timesincestart", "uptime"} | (
     {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
 )
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}

@@ -69,9 +69,9 @@ class AmplitudeDependence:
     def known(self) -> AmplitudeDependence:
         """The windows in which the damping ratio is known to its own value; all where those are fewer than two.
 
-        Of the last swings in the noise nothing is told by its ends.
+        Of the last swings in the noise nothing is told by its ends, and where a mode grows, another one feeds it.
         """
-        rows = np.flatnonzero(NORMAL_95 * self.zeta_std < np.abs(self.zeta))
+        rows = np.flatnonzero(NORMAL_95 * self.zeta_std < self.zeta)
         if len(rows) < 2:
             return self
         return replace(
