@@ -104,12 +104,15 @@ class TestPrecision:
             ([0.3, 0.3, 0.2, 1e-3, 1e-3], False),  # zeta of the third is known to a half
             ([0.3, 0.3, 0.3, 1e-3, 1e-3, 1e-3], False),  # three of six are not most
             ([0.3, 0.3], False),  # heavily damped cars have two
+            ([0.2, 0.2, 0.2, 0.2, 1e-3], True),  # zeta is rough, and nothing checks them
+            ([0.2, 0.2, 0.2, 1e-3, 1e-3], False),  # three of five are not two thirds
         ],
     )
     def test_three_modes_and_most_of_all_that_are_hardly_known_are_doubtful(
-        self, spread: list[float], *, doubted: bool
+        self, spread: list[float], monkeypatch: pytest.MonkeyPatch, *, doubted: bool
     ) -> None:
-        """``spread`` is the standard deviation of each damping ratio over its value."""
+        """``spread`` is the standard deviation of each damping ratio over its value; the halves check none."""
+        monkeypatch.setattr(Identification, "halves", property(lambda found: np.full(len(found.modes), np.nan)))
         wn, zeta = [40.0 * (k + 1) for k in range(len(spread))], [0.1] * len(spread)
         time = np.asarray(STEP * np.arange(1000), float)
         found = identify(as_response(time, np.exp(-time)[None] * np.cos(40 * time), ["y"]))

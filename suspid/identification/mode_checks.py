@@ -31,8 +31,9 @@ UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
 # noise with a little colour; a smaller share those of a body that is damped heavily.
 LINE_OF_OTHER_MOTION, OPEN_WN = 2.0, 0.1
 # More hardly known modes than this, of which wn is as open or zeta is to this share, and more than half of all: poles
-# that no motion of a structure needs. Wheels beside a body, and a heavily damped car, have fewer.
-FEWEST_OPEN, OPEN_ZETA = 2, 0.5
+# that no motion of a structure needs. Wheels beside a body, and a heavily damped car, have fewer. So are more than two
+# thirds of all whose zeta is rough and that the halves do not check.
+FEWEST_OPEN, OPEN_ZETA, MOST, NEARLY_EACH = 2, 0.5, 1 / 2, 2 / 3
 # Phase collinearity below which the channels of a mode are out of phase.
 OUT_OF_PHASE = 0.5
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
@@ -248,9 +249,12 @@ def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
         numbers |= {"zeta": float(zeta[k])} if ROUGH_ZETA < zeta[k] <= UNKNOWN_ZETA else {}
         other = wn[k] > OPEN_WN and found.loudness[k] > LINE_OF_OTHER_MOTION
         yield check_of(ModeCheck.KNOWN_ROUGHLY, Level.DOUBTFUL if other else Level.CARE, numbers)
-    hardly = pairs & ((zeta > OPEN_ZETA) | (wn > OPEN_WN))
-    if max(FEWEST_OPEN, np.sum(pairs) / 2) < np.sum(hardly):
-        yield check_of(ModeCheck.MOSTLY_OPEN, Level.DOUBTFUL, {"modes": numbers_of(hardly)})
+    hardly, loose = pairs & ((zeta > OPEN_ZETA) | (wn > OPEN_WN)), pairs & (zeta > ROUGH_ZETA)
+    unchecked = loose & ~np.isfinite(found.halves) if np.sum(loose) > FEWEST_OPEN else np.zeros_like(loose)
+    for which, share in ((hardly, MOST), (unchecked, NEARLY_EACH)):
+        if max(FEWEST_OPEN, np.sum(pairs) * share) < np.sum(which):
+            yield check_of(ModeCheck.MOSTLY_OPEN, Level.DOUBTFUL, {"modes": numbers_of(which)})
+            break
     if np.any(pairs) and not np.any(vague | rough):
         most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
         yield check_of(ModeCheck.KNOWN, Level.SOUND, most)
