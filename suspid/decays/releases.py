@@ -27,7 +27,7 @@ PATIENCE = STARTS_A_PERIOD // 2
 MOST_RELEASES = 8
 FEWEST_RELEASES = 2
 # Of the rates of channels, only what has this many times the power of their noise counts.
-ABOVE_NOISE = 20.0
+RATES_ABOVE = 20.0
 # Without a release among as many, no more are looked at: the motion is driven throughout.
 NONE_FREE = 4
 
@@ -111,7 +111,7 @@ def _periods(scaled: RealArray) -> list[int]:
     power = np.sum(np.abs(np.fft.rfft(scaled * window, axis=1)) ** 2, axis=0)
     # What makes fewer cycles is drift.
     power[:3] = 0.0
-    rates = np.maximum(power - ABOVE_NOISE * channels * np.sum(window**2), 0.0) * np.arange(len(power)) ** 2
+    rates = np.maximum(power - RATES_ABOVE * channels * np.sum(window**2), 0.0) * np.arange(len(power)) ** 2
     lines = [max(int(np.argmax(each)), 1) for each in (power, rates)]
     return [int(max(4, round(count / line))) for line in lines[: 2 if lines[0] <= MOST_RELEASES else 1]]
 

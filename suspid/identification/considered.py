@@ -75,8 +75,9 @@ def removed_as(considered: Iterable[Considered], *reasons: Reason) -> list[Consi
 def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:
     """Return what was fitted but is no mode, then what was tried and not kept."""
     removed = []
-    lost = fading(selection.fit, selection.loudness) if Reason.TONE in selection.reasons else np.zeros(0)
-    larger = _larger_than_modes(selection)
+    tones = Reason.TONE in selection.reasons
+    lost = fading(selection.fit, selection.loudness) if tones else np.zeros(0)
+    larger = _larger_than_modes(selection) if tones else np.zeros(0, bool)
     for k, (theta, reason) in enumerate(zip(selection.fit.poles.every.tolist(), selection.reasons, strict=True)):
         if reason is not None:
             faded = {"share": float(lost[k]), "largest": bool(larger[k])} if reason is Reason.TONE and lost[k] else {}
