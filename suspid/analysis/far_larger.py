@@ -126,13 +126,15 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
     # The end of a motion need not be its end in every channel.
     looks = ((count // QUARTER, np.max, True), (count if count <= room else count // QUARTER, np.min, False))
     for length, over_channels, follows in looks:
-        starts = np.arange(size - length + 1)
-        before = (starts + length <= first) & (starts + 1.5 * length > first)
-        at = starts[before if follows else (starts + length <= first) | (starts >= last)]
+        # The last samples before, or all.
+        of = slice(max(0, first - 3 * length // 2), first) if follows else slice(0, size)
+        starts = np.arange(of.start, of.stop - length + 1)
+        at = starts[(starts + length <= first) | (starts >= last)]
         if length < FEWEST_SAMPLES or not at.size:
             continue
         own = np.max(_powers(part.values, length), axis=1)
-        more = over_channels(_powers(values, length)[:, at] / np.maximum(own, 1e-300)[:, None], axis=0)
+        power = _powers(values[:, of], length)[:, at - of.start]
+        more = over_channels(power / np.maximum(own, 1e-300)[:, None], axis=0)
         most = int(np.argmax(more))
         slower = not follows or _moves_slower(values[:, at[most] : at[most] + length], signal.step, stretch)
         if FAR_MORE < more[most] < np.inf and slower:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 # A decay begins within this part of a period of its slowest mode after a rest, or what was between is a push.
 SOON = 0.5
+# A rest is looked for within this number of periods before a decay.
+LOOKED_BACK_TO, REST_SHARE = 10.0, 0.9
 # A mode that dies soon after a release is one if its frequency and its damping ratio are known to these shares.
 KNOWN_TO, DAMPING_TO = 0.1, 0.25
 # What is damped by more than this makes no swing: a force that falls looks the same.
@@ -69,9 +71,9 @@ def from_rest(record: control.TimeResponseData, best: Used, settings: Settings) 
 def _left_rest(record: control.TimeResponseData, start: Second, period: Second) -> Second | None:
     """Return when a rest ends that a decay begins soon after; None where there is no such rest."""
     signal = as_signal(record)
-    until = signal.timepts < start + period
-    first = rest_of(signal.values[:, until])
-    left = signal.start + signal.step * first
+    about = (signal.timepts > start - LOOKED_BACK_TO * period) & (signal.timepts < start + period)
+    first = rest_of(signal.values[:, about], most=REST_SHARE)
+    left = float(signal.timepts[about][0]) + signal.step * first
     return left if first and start - SOON * period < left < start else None
 
 
