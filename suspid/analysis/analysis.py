@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from suspid.analysis.choice import doubts_of
 from suspid.analysis.commanded import ANSWERED_BY_COMMAND
-from suspid.analysis.far_larger import shows_the_same
+from suspid.analysis.far_larger import shows_the_same, time_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import belonging
 from suspid.decays import Decay, Decays
@@ -211,7 +211,7 @@ class Analysis(Result):
     def _answered(self, note: Remark) -> bool:
         """Return whether larger motion elsewhere is a decay that shows the same modes."""
         larger = note.code is Note.LARGER_ELSEWHERE
-        return larger and shows_the_same(self.decays, float(str(note.numbers["time"])), self.modes)
+        return larger and shows_the_same(self.decays, time_of(note), self.modes)
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return self.modes._table()

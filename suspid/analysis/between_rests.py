@@ -11,7 +11,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used, instead_of
-from suspid.decays import rest_of
+from suspid.decays import STARTS_AFTER_REST, rest_of
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
 from suspid.signals import as_signal
@@ -26,8 +26,6 @@ REST_BEFORE, REST_AFTER = 0.9, 0.97
 # The motion passes the level of its last rest at least this often, by this share of its size: a pulse of force does
 # not.
 PASSES, BY_SHARE = 2, 0.03
-# The first samples that have left a rest may be of it, and so may be the last ones before one.
-SAMPLES_LEFT = (0, 2, 4)
 
 
 def between_rests(
@@ -44,11 +42,12 @@ def between_rests(
     size = signal.values.shape[1]
     first = rest_of(signal.values, most=REST_BEFORE)
     last = size - rest_of(signal.values[:, ::-1], most=REST_AFTER)
-    if not first or last == size or last - first < FEWEST_SAMPLES + 2 * SAMPLES_LEFT[-1]:
+    if not first or last == size or last - first < FEWEST_SAMPLES + 2 * STARTS_AFTER_REST[-1]:
         return None
     if not _passes(signal.values[:, first:], last - first):
         return None
-    for samples in SAMPLES_LEFT:
+    # The last samples before a rest may be of it, too.
+    for samples in STARTS_AFTER_REST:
         start, stop = (signal.start + signal.step * place for place in (first + samples, last - 1 - samples))
         part = cut(record, start=start, stop=stop)
         moved = tried(part, settings)

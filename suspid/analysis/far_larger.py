@@ -136,8 +136,9 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
         power = _powers(values[:, of], length)[:, at - of.start]
         more = over_channels(power / np.maximum(own, 1e-300)[:, None], axis=0)
         most = int(np.argmax(more))
-        slower = not follows or _moves_slower(values[:, at[most] : at[most] + length], signal.step, stretch)
-        if FAR_MORE < more[most] < np.inf and slower:
+        if not FAR_MORE < more[most] < np.inf:
+            continue
+        if not follows or _moves_slower(values[:, at[most] : at[most] + length], signal.step, stretch):
             time = signal.start + signal.step * float(at[most] + length / 2)
             said = {"times": float(np.sqrt(more[most])), "time": time, "follows": follows}
             return (Remark(Note.LARGER_ELSEWHERE, said),)
@@ -161,6 +162,11 @@ def _powers(values: RealArray, count: int) -> RealArray:
     sums, squares = (np.pad(np.cumsum(about**n, axis=1), ((0, 0), (1, 0))) for n in (1, 2))
     means = (sums[:, count:] - sums[:, :-count]) / count
     return np.asarray(squares[:, count:] - squares[:, :-count] - count * means**2)
+
+
+def time_of(note: Remark) -> Second:
+    """Return when a record moves far more, by the note that says so."""
+    return float(str(note.numbers["time"]))
 
 
 def shows_the_same(decays: Sequence[Decay], time: Second, modes: ModalSet) -> bool:

@@ -12,7 +12,7 @@ from suspid.analysis.forced_start import SAME_POLE, without_start
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import Decays, rest_of
+from suspid.decays import STARTS_AFTER_REST, Decays, rest_of
 from suspid.identification import Identification
 from suspid.levels import SURE
 from suspid.records import cut, of_channels
@@ -34,8 +34,6 @@ NO_SWING = 0.8
 # The further mode that lasts longest is the same from as many nepers later on: of a force that falls for a while, a
 # later start sees less, and what looks like a mode falls faster.
 NEPERS_LATER = 1.0
-# The first samples that have left a rest may be of it.
-OF_REST = (0, 2, 4)
 
 
 def from_rest(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
@@ -55,7 +53,7 @@ def from_rest(record: control.TimeResponseData, best: Used, settings: Settings) 
     left = _left_rest(of_channels(record, part.channels), decay.start, period)
     if left is None:
         return best
-    for samples in OF_REST:
+    for samples in STARTS_AFTER_REST:
         start = left + samples * part.step
         if not start < decay.start - 0.5 * part.step:
             break

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.analysis.between_knocks import between_knocks, smoothest
 from suspid.analysis.choice import damping_known, level_of, settled_by_forces, tried
-from suspid.analysis.far_larger import hardly_any, larger_elsewhere, shows_the_same
+from suspid.analysis.far_larger import hardly_any, larger_elsewhere, shows_the_same, time_of
 from suspid.analysis.longer import shared_modes
 from suspid.analysis.settings import Settings
 from suspid.analysis.shrinking import longest_shrinking, shrinking
@@ -97,7 +97,7 @@ def of_largest(
 
 def _larger_elsewhere(record: control.TimeResponseData, stretch: Used, found: Identification) -> Second | None:
     """Return when a record moves far more elsewhere, where no decay shows the same modes; None where it does not."""
-    times = [float(str(note.numbers["time"])) for note in larger_elsewhere(record, stretch)]
+    times = map(time_of, larger_elsewhere(record, stretch))
     return next((time for time in times if not shows_the_same(stretch.decays, time, found.modes)), None)
 
 

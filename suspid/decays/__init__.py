@@ -13,7 +13,7 @@ from suspid.decays.find_decays import find_decays
 from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, share_of
 from suspid.decays.predictions import releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
-from suspid.decays.rests import rest_of
+from suspid.decays.rests import STARTS_AFTER_REST, rest_of
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import FEWEST_EARLY, FEWEST_STRETCHES, TRIAL_PARTS, unexplained
 
@@ -26,6 +26,7 @@ __all__ = [
     "LOOK_BLOCKS",
     "SAME_MODE",
     "SMALL",
+    "STARTS_AFTER_REST",
     "TRIAL_PARTS",
     "Decay",
     "Decays",

@@ -16,6 +16,8 @@ from suspid.words import DecayDoubt, Remark
 # mean. The motion that follows is this many times as large as they. A motion that begins with the first sample is never
 # as far from its own mean.
 FEWEST_OF_REST, FAR_FROM_REST, MUCH_FURTHER = 12, 5.0, 30.0
+# Starts that are tried after the first sample that has left a rest, in samples: the first ones may be of it still.
+STARTS_AFTER_REST = (0, 2, 4)
 # Samples without which a rest is looked for, one after the other.
 LEFT_OUT = (0, 20, 40)
 # The rest is compared without this share of its end; its variance is at most this many times that of white noise with
