@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import ModalSet, Settings, analyse, find_decays, identify
+from suspid import Identification, ModalSet, Settings, analyse, find_decays, identify
 from suspid.analysis.far_larger import (
     _larger_are_unlike,
     _unlike,
@@ -18,7 +20,7 @@ from suspid.analysis.far_larger import (
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
-from suspid.words import Level, Note, RecordCheck
+from suspid.words import Check, Level, ModeCheck, Note, RecordCheck, Remark
 
 TIME = np.arange(3000) / 100
 KNOCK = np.where(TIME >= 20, np.exp(-1.5 * (TIME - 20)) * np.sin(30 * (TIME - 20)), 0.0)
@@ -55,6 +57,25 @@ def test_a_tenth_of_the_amplitude_is_where_it_begins() -> None:
     ratio = np.std(SWING[:401]) / np.std(KNOCK[2000:2401])
     sizes = [ratio / 10 * share for share in (0.8, 1.2)]
     assert [len(notes(SWING + size * KNOCK)) for size in sizes] == [1, 0]
+
+
+@pytest.mark.parametrize("code", [ModeCheck.LITTLE_EXPLAINED, ModeCheck.HARDLY_EXPLAINED])
+def test_a_fit_that_leaves_much_of_a_longer_motion_does_not_come_before_its_end(code: ModeCheck) -> None:
+    """The whole has another damping than its end: without the rest that it leaves, it would tell more."""
+    time = TIME[:2000]
+    bent = np.where(time < 8, np.exp(-0.1 * time), np.exp(-0.8 - 0.3 * (time - 8))) * np.sin(9 * time)
+    noise = 1e-4 * np.random.default_rng(3).standard_normal(time.size)
+    record = as_response(time, (bent + noise)[None], ["y"])
+    whole, end = identify(record), identify(cut(record, start=9.0))
+    assert only_the_end(whole, end)
+    left = Check(Remark(code, {"most": 0.7}), Level.CARE)
+    much = SimpleNamespace(
+        modes=whole.modes,
+        forces=whole.forces,
+        fitted=whole.fitted,
+        verdict=replace(whole.verdict, checks=(*whole.verdict.checks, left)),
+    )
+    assert not only_the_end(cast("Identification", much), end)
 
 
 def followed(values: RealArray, *, start: float, stop: float) -> list[bool]:

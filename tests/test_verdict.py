@@ -124,6 +124,31 @@ class TestPrecision:
         checks = said(verdict_of(one), ModeCheck.MOSTLY_OPEN)
         assert [check.level for check in checks] == [Level.DOUBTFUL] * doubted
 
+    @pytest.mark.parametrize(("loud", "level"), [(9.0, Level.CARE), (11.0, Level.DOUBTFUL)])
+    def test_a_quarter_that_is_left_as_other_motion_at_a_mode_is_doubtful(
+        self, found: Identification, loud: float, level: Level
+    ) -> None:
+        """What is left in the best channel is noise, or motion at the frequency of a mode."""
+        signal = as_signal(found.response)
+        left = np.sqrt(0.3) * np.std(signal.values, axis=1, keepdims=True)
+        noise = left * np.random.default_rng(2).standard_normal(signal.values.shape)
+        residual = as_response(signal.timepts, noise, list(signal.channels))
+        one = replace(found, residual=residual, loudness=np.array([1.0, loud, 1.0]))
+        assert 0.6 < float(np.max(one.explained)) < 0.8
+        (check,) = said(verdict_of(one), ModeCheck.LITTLE_EXPLAINED)
+        assert check.level is level
+
+    @pytest.mark.parametrize(("pairs", "real", "doubted"), [(3, 0, True), (2, 4, False), (2, 0, False)])
+    def test_as_many_pairs_that_grow_as_there_are_modes_are_doubtful(
+        self, found: Identification, pairs: int, real: int, *, doubted: bool
+    ) -> None:
+        """A real pole that grows is a drift."""
+        poles = [*(0.1 + 5j * (k + 1) for k in range(pairs)), *(complex(0.1 * (k + 1)) for k in range(real))]
+        grow = tuple(Considered(pole=pole, remark=Remark(Reason.GROWING), removed=True) for pole in poles)
+        checks = said(verdict_of(replace(found, considered=grow)), ModeCheck.GROWING_BESIDE)
+        assert [check.level for check in checks] == [Level.DOUBTFUL] * doubted
+        assert all("grows within the record" in str(check) for check in checks)
+
     def test_figures_are_those_of_five_percent(self) -> None:
         # What a report calls roughly known: 5 % in frequency, 25 % in damping; unknown: an interval that reaches zero.
         assert (ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA) == (0.05, 0.25, 1.0)

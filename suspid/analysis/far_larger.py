@@ -15,7 +15,7 @@ from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import Flags, Ratio, RealArray, Second
-from suspid.words import Level, Note, Remark
+from suspid.words import Level, ModeCheck, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -37,6 +37,8 @@ SLOWER = 1.5
 UNLIKE = 0.25
 # So are two natural frequencies that differ by this share.
 UNLIKE_WN = 0.01
+# What is said of a fit that leaves a good part of the motion.
+LEAVES_MUCH = frozenset({ModeCheck.LITTLE_EXPLAINED, ModeCheck.HARDLY_EXPLAINED})
 
 
 def far_larger(record: control.TimeResponseData, tries: Sequence[Used]) -> Used:
@@ -55,9 +57,12 @@ def only_the_end(whole: Identification, part: Identification | None) -> bool:
 
     Where friction stops what swings, or where a sensor is coarse, the last swings look like a linear decay. The whole
     tells more if forces explain it as well as the end is explained, if its damping is another one, or if they show
-    another frequency or damping of larger swings: an end that is linear beyond doubt says nothing of those.
+    another frequency or damping of larger swings: an end that is linear beyond doubt says nothing of those. One that
+    leaves much of itself is no decay: what is pushed again is not that of its last part.
     """
     if part is None or not len(part.modes) or not len(whole.modes):
+        return False
+    if any(check.remark.code in LEAVES_MUCH for check in whole.verdict.checks):
         return False
     ours, theirs = (_energies(as_signal(held(found, "fitted"))) for found in (whole, part))
     # What a channel carries beside noise tells.

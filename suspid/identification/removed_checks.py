@@ -32,6 +32,13 @@ def check_tones(found: Identification) -> Iterator[Check]:
     yield from _named([c.pole for c in tones if not c.remark.numbers], ModeCheck.STEADY_TONES, Level.NOTE)
 
 
+def check_growing(found: Identification) -> Iterator[Check]:
+    """Check that fewer pairs grow than there are modes: a free decay has none that do."""
+    grows = [c.pole for c in removed_as(found.considered, Reason.GROWING) if c.pole.imag]
+    if len(grows) >= len(found.modes):
+        yield from _named(grows, ModeCheck.GROWING_BESIDE, Level.DOUBTFUL)
+
+
 def check_removed(found: Identification, reason: Reason, check: ModeCheck, level: Level) -> Iterator[Check]:
     """Check that nothing was removed with the fit for a reason."""
     yield from _named([c.pole for c in removed_as(found.considered, reason)], check, level)

@@ -32,7 +32,7 @@ from suspid.identification.mode_checks import (
 )
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
-from suspid.identification.removed_checks import check_dropped, check_removed, check_tones
+from suspid.identification.removed_checks import check_dropped, check_growing, check_removed, check_tones
 from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
@@ -49,6 +49,8 @@ NOTICEABLE = 1.05
 # Correlations of the residual over one sample that are not those of white noise: a sensor's filter leaves less than the
 # first number. The second holds in channels of which less than the third share is explained.
 FILTERED, OTHER_MOTION, WELL_EXPLAINED = 0.5, 0.3, 0.9
+# Power near a mode over white noise above which what is left there is not noise.
+OTHER_THAN_NOISE = 10.0
 # A free decay of one mode has its largest motion before that has fallen to this: 1/e. Where n masses pass a motion on,
 # the last has it when they have fallen to this to the power of n - 1; one power is left for noise.
 STILL_THERE = 0.37
@@ -87,6 +89,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     growing = numbers_of(found.modes.poles.real > 0)
     if growing:
         yield check_of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
+    yield from check_growing(found)
     yield from check_amplitudes(found)
     if removed_as(found.considered, Reason.HARMONIC):
         yield check_of(ModeCheck.HARMONICS, Level.CARE)
@@ -183,7 +186,9 @@ def _explained(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.EXPLAINED, Level.SOUND, {"least": least, "most": most, "channels": len(share)})
     # A fit that leaves 7 dB of noise or other motion in the best channel is never called sound.
     if LEAST_EXPLAINED <= most < 0.8:
-        yield check_of(ModeCheck.LITTLE_EXPLAINED, Level.CARE, {"most": most})
+        # What is left is other motion at the frequency of a mode.
+        other = np.max(found.loudness, initial=0.0) > OTHER_THAN_NOISE
+        yield check_of(ModeCheck.LITTLE_EXPLAINED, Level.DOUBTFUL if other else Level.CARE, {"most": most})
 
 
 def _unexplained(found: Identification) -> Iterator[Check]:

@@ -350,6 +350,15 @@ class ModeCheck(Code):
             )
         ),
     )
+    GROWING_BESIDE = (
+        "growing beside",
+        sentence(
+            lambda n: (
+                f"Motion at {n['hertz']} Hz grows within the record, in as many poles as there are modes, or more: "
+                f"something drives it, and the fit follows that."
+            )
+        ),
+    )
     BEGUN_TONES = (
         "begun tones",
         sentence(

@@ -177,6 +177,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.PULSE_TRAIN: NextStep.WHICH_PART,
     ModeCheck.IN_A_ROW: NextStep.QUIET,
     ModeCheck.BEGUN_TONES: NextStep.WHICH_PART,
+    ModeCheck.GROWING_BESIDE: NextStep.WHICH_PART,
     ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
     ModeCheck.SHARED_NOISE: NextStep.CHANNELS,
     ModeCheck.OUT_OF_PHASE: NextStep.CHANNELS,
