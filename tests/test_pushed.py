@@ -93,3 +93,12 @@ def test_releases_that_agree_are_several_decays() -> None:
     record = pushed.pushed(5)
     decays = find_decays(as_response(record.time, record.values, list(record.names)))
     assert sum(not decay.doubts for decay in decays) >= 2
+
+
+def test_a_start_moved_behind_the_hands_stays_there() -> None:
+    """Of the pitch alone the search begins .3 s before the hands leave, where two more modes stand for them."""
+    record = pushed.pushed(881019)
+    pitch = record.names.index("pitch [rad/s]")
+    found = analyse(as_response(record.time, record.values[[pitch]], ["pitch"]))
+    assert found.identification.response.time[0] >= record.releases[0]
+    np.testing.assert_allclose(found.modes.wn, np.abs(record.poles[:1]), rtol=0.01)

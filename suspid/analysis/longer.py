@@ -62,6 +62,11 @@ def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> 
         if shown or only_the_end(more.identification, best.identification):
             best = more
             break
+    return with_its_end(record, best, settings)
+
+
+def with_its_end(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
+    """Return the decay that ends later of which the best one is the start, if that shows more of its modes."""
     for decay in _later(record, best):
         best = with_identification(best, settings)
         if not (_goes_on(record, best).any() or _has_tones(best.identification)):

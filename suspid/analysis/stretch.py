@@ -16,7 +16,7 @@ from suspid.analysis.forced_start import freed, later_starts, without_start
 from suspid.analysis.from_rest import from_rest
 from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
-from suspid.analysis.longer import longer, shared_modes, with_identification
+from suspid.analysis.longer import longer, shared_modes, with_identification, with_its_end
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays, is_grave
@@ -69,7 +69,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
         sounder = _sounder(record, best, settings)
         best = sounder if sounder.used == best.used else longer(record, sounder, settings)
         free = _once_free(record, best, settings)
-        free = free if free.used == best.used else longer(record, free, settings)
+        free = free if free.used == best.used else with_its_end(record, free, settings)
         return until_one_rests(record, from_rest(record, free, settings), settings)
     decays = find_decays(record)
     if not decays:
