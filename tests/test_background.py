@@ -1,6 +1,7 @@
 """Intervals of modes that a background excites during their decay, against the scatter of many records."""
 
 import numpy as np
+import pytest
 from scipy.signal import lfilter
 
 from suspid import as_record, find_decays, identify
@@ -43,6 +44,7 @@ def errors(seed: int, level: float) -> tuple[RealArray, RealArray, tuple[Note, .
     return np.array(out[0]), np.array(out[1]), tuple(note.code for note in used.notes)  # type: ignore[misc]
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_a_background_does() -> None:
     """95 % of them, give or take what the estimate of the background scatters; of white noise alone, they do not."""
     found = [errors(seed, 0.03) for seed in range(24)]

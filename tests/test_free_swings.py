@@ -83,6 +83,7 @@ def test_a_machine_that_runs_down(end: float, down: bool) -> None:
     assert _runs_down(*_swings(np.exp(-0.08 * T) * np.sin(phase))) is down
 
 
+@pytest.mark.slow
 def test_a_rotor_that_coasts_is_doubted(tmp_path: Path) -> None:
     t = np.arange(5000) / 100
     coasts = np.exp(-3 * t / 50) * np.sin(2 * np.pi * 8 * (t - 0.25 * t**2 / 50))

@@ -61,7 +61,9 @@ def of_start(found: Analysis) -> list[Level]:
     return [check.level for check in found.verdict.checks if check.remark.code is RecordCheck.OF_START]
 
 
-@pytest.mark.parametrize(("seed", "falls"), [(1, 0.0), (2, 0.0), (3, 0.0), (1, 0.1)])
+@pytest.mark.parametrize(
+    ("seed", "falls"), [pytest.param(1, 0.0, marks=pytest.mark.slow), (2, 0.0), (3, 0.0), (1, 0.1)]
+)
 def test_modes_that_die_within_a_part_of_the_first_cycle_are_found(seed: int, falls: float, tmp_path: Path) -> None:
     """Of the last record, the search for decays begins one where the second mode has died."""
     time, values, poles = released(falls=falls, seed=seed)
@@ -73,7 +75,7 @@ def test_modes_that_die_within_a_part_of_the_first_cycle_are_found(seed: int, fa
     assert found.verdict.level > Level.DOUBTFUL
 
 
-@pytest.mark.parametrize("falls", [0.05, 0.15])
+@pytest.mark.parametrize("falls", [0.05, pytest.param(0.15, marks=pytest.mark.slow)])
 def test_a_force_that_falls_is_no_mode(falls: float, tmp_path: Path) -> None:
     time, values, poles = released(falls=falls)
     found = analyse(written(tmp_path / "car.csv", time, values, "time [s],seat [mm],body [mm],wheel [mm]"))
@@ -98,7 +100,7 @@ def stopped(share: float) -> tuple[Real, Real]:
     """
     wn, zeta, pulled = 10.1, 0.14, -33.0
     wd, decay = wn * np.sqrt(1 - zeta**2), zeta * wn
-    time = 0.001 * np.arange(6000)
+    time = 0.002 * np.arange(3000)
     height = np.full(time.size, pulled)
     turn, at, way = REST, pulled, 1.0
     while True:
@@ -128,7 +130,7 @@ def test_few_cycles_that_friction_stops_are_one_mode(tmp_path: Path) -> None:
     assert Note.BETWEEN_RESTS in {note.code for note in found.notes}
 
 
-@pytest.mark.parametrize("cycles", [0.5, 1.0])
+@pytest.mark.parametrize("cycles", [pytest.param(0.5, marks=pytest.mark.slow), 1.0])
 def test_a_pulse_between_two_rests_is_none(cycles: float, tmp_path: Path) -> None:
     time = 0.001 * np.arange(4000)
     pulse = np.where((time > 1) & (time < 1.5), 20 * np.sin(2 * np.pi * cycles * (time - 1) / 0.5) ** 2, 0.0)

@@ -412,7 +412,8 @@ class TestLongestShrinking:
         assert self.found(sweep) is None
 
 
-@pytest.mark.parametrize("seed", [2, pytest.param(4, marks=pytest.mark.slow), pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 4, 5])
 def test_a_phone_that_swings_and_is_caught(seed: int, tmp_path: Path) -> None:
     """Handled at first, then .465 Hz, zeta .006, and a hand that stops it, with far larger accelerations."""
     rng, t = np.random.default_rng(seed), np.arange(0, 60, 1 / 125)

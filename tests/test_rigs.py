@@ -53,9 +53,8 @@ def test_a_bilinear_damper_loses_what_the_mean_of_both_ways_does() -> None:
     assert np.log(swing[0] / swing[-1]) / (turns[-2, 0] - turns[0, 0]) == pytest.approx(0.2, rel=0.01)
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind != "friction")) for kind in rigs.KINDS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", rigs.KINDS)
 def test_the_first_command_finds_the_mode_of_one_mass(kind: str) -> None:
     """At least four files of five: the number of modes, wn within 1 % and zeta within 15 % of the mean over cycles."""
     found = [rigs.outcome(kind, 1, seed) for seed in range(700, 705)]
