@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from suspid import analyse
-from suspid.analysis.free_swings import _falls_late, _runs_down, _swings
+from suspid.analysis.free_swings import _falls_late, _is_stopped, _runs_down, _swings
 from suspid.units import RealArray
 from suspid.words import Level, RecordCheck
 
@@ -36,6 +36,29 @@ def test_of_free_motion_they_fall_most_at_first(envelope: RealArray) -> None:
 def test_of_a_beat_and_of_what_is_driven_by_less_and_less_they_do_not(envelope: RealArray) -> None:
     noise = 0.01 * np.random.default_rng(1).standard_normal(T.size)
     assert _falls_late(_swings(envelope * SWINGS + noise)[0])
+
+
+@pytest.mark.parametrize(
+    ("envelope", "stopped"),
+    [
+        (np.where(T < 20, 1.0, np.exp(-3 * np.maximum(T - 20, 0))), True),  # a motor that is switched off
+        (np.where(T < 20, np.exp(-0.02 * T), 0.0), True),  # a hand
+        (np.ones(T.size), False),  # a tone
+        (np.where(T < 29, 1.0, 0.0), False),  # hardly anything is seen after it
+        (np.exp(-0.3 * T), False),
+        (np.maximum(1 - T / 20, 0.0), False),  # friction
+        (np.where(T < 3, 1.0, 0.0), False),  # few swings
+    ],
+)
+def test_many_that_hardly_fall_and_then_are_gone_are_stopped(envelope: RealArray, *, stopped: bool) -> None:
+    noise = 0.01 * np.random.default_rng(1).standard_normal(T.size)
+    assert _is_stopped(envelope * SWINGS + noise) is stopped
+
+
+def test_what_falls_into_loud_noise_is_not_stopped() -> None:
+    """Swings down to half of the largest are seen above eight standard deviations of the noise."""
+    noise = np.random.default_rng(1).standard_normal(T.size) / 10
+    assert not _is_stopped(np.exp(-0.1 * T) * SWINGS + noise)
 
 
 def test_those_that_grow_again_are_not_free() -> None:

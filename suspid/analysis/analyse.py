@@ -17,6 +17,7 @@ from suspid.analysis.choice import identified, level_of
 from suspid.analysis.commanded import after_commands
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
+from suspid.analysis.free_end import at_free_end
 from suspid.analysis.largest import of_largest
 from suspid.analysis.later import from_later
 from suspid.analysis.means import with_means, with_means_of_longest
@@ -26,6 +27,7 @@ from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import part_asked_for, stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
+from suspid.analysis.until_locked import until_locked
 from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
@@ -276,13 +278,16 @@ def _identified(
             repeats = _jointly(whole, asked, settings) if len(asked.used) > 1 else None
             if repeats is None or len(repeats.modes):
                 return asked.identification if repeats is None else repeats.each[0], repeats, asked
-        if wave:
-            return kept, None, doubted_as_wave(stretch)
-        for part_of in (from_later, between_rests, of_largest):
+        # What a smooth wave hides can only be where it has ended.
+        others = (at_free_end,) if wave else (between_rests, until_locked, from_later, of_largest, at_free_end)
+        for part_of in others:
             part = part_of(whole, stretch, kept, settings)
             if part is not None and part.identification is not None:
                 kept, stretch = part.identification, part
                 break
+        else:
+            if wave:
+                return kept, None, doubted_as_wave(stretch)
         kept, stretch = with_background(with_begun_tones(kept, whole), stretch, whole)
         return kept, None, stretch
     repeats = _jointly(whole, stretch, settings)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from suspid.analysis.swings import turns_above_noise
+from suspid.analysis.swings import least_turn, turns_above_noise
 from suspid.identification import Identification
 from suspid.samples import held
 from suspid.signals import as_signal, block_means
@@ -25,6 +25,9 @@ FALLS_LATER, GROWS_AGAIN = 1.6, 1.5
 # number in all, and in the last third of them by more than this share of what it grows by in the first. Springs that
 # stiffen make the time of a swing grow most at first, in proportion to the square of its size.
 MANY_TIMES, MUCH_SLOWER, AS_MUCH_LATER = 20, 0.15, 0.5
+# Swings that are still this many times as large as the smallest that is counted, and followed by none for as many of
+# their times, do not die: what drives them is switched off, or a hand stops them.
+ABOVE_SMALLEST, NONE_FOR = 2.0, 4.0
 
 
 def doubts_of_swings(found: Identification) -> Iterator[Check]:
@@ -47,8 +50,9 @@ def doubts_of_swings(found: Identification) -> Iterator[Check]:
     signal = as_signal(held(found, "response"))
     clearest = signal.values[[int(np.argmax(found.explained))]]
     spared = max(1, int(2 * np.pi / (CYCLE_LEFT * float(found.modes.wn[0]) * signal.step)))
-    sizes, times = _swings(block_means(clearest, spared)[0])
-    if _falls_late(sizes):
+    samples = block_means(clearest, spared)[0]
+    sizes, times = _swings(samples)
+    if _falls_late(sizes) or _is_stopped(samples):
         yield Check(Remark(RecordCheck.FALLS_LATE), Level.DOUBTFUL)
     elif _runs_down(sizes, times):
         yield Check(Remark(RecordCheck.RUNS_DOWN), Level.DOUBTFUL)
@@ -84,6 +88,18 @@ def _falls_late(sizes: RealArray) -> bool:
         return False
     first, *later = (-np.diff(borders)).tolist()
     return bool(max(later) > FALLS_LATER * first)
+
+
+def _is_stopped(samples: RealArray) -> bool:
+    """Return whether many swings that hardly fall are followed by none."""
+    size = float(np.ptp(samples))
+    turns = turns_above_noise(samples, size)
+    sizes, times = _swings(samples)
+    if len(sizes) < FEWEST_SWINGS:
+        return False
+    borders = _at_thirds(sizes)
+    large = borders[-1] > max(MUCH_LEFT * borders[0], ABOVE_SMALLEST * least_turn(samples, size))
+    return bool(large and len(samples) - turns[-1] > NONE_FOR * np.median(times))
 
 
 def _runs_down(sizes: RealArray, times: RealArray) -> bool:

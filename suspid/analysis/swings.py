@@ -82,7 +82,18 @@ def turns_above_noise(samples: RealArray, size: float) -> NDArray[np.intp]:
     >>> len(turns_of(noisy, AT_REST * 2.0)), len(turns_above_noise(noisy, 2.0))
     (649, 6)
     """
-    return turns_of(samples, max(AT_REST * size, TURNS_ABOVE_NOISE * roughness(samples)))
+    return turns_of(samples, least_turn(samples, size))
+
+
+def least_turn(samples: RealArray, size: float) -> float:
+    """Return by how much samples turn back at least where that is no noise, and no less than a share of a size.
+
+    Examples
+    --------
+    >>> least_turn(np.sin(np.arange(1000.0) / 100), 2.0)
+    0.1
+    """
+    return max(AT_REST * size, TURNS_ABOVE_NOISE * roughness(samples))
 
 
 def turns_of(samples: RealArray, least: float) -> NDArray[np.intp]:

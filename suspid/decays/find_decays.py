@@ -96,6 +96,11 @@ def find_decays(
     return _ranked(with_doubts_of_others(signal, decays), remarks)
 
 
+def decay_at_end(signal: Signal) -> Decay | None:
+    """Return the decay at the end of a recording that is driven before, with its doubts; None without one."""
+    return next(iter(_at_end(_recording(signal))), None)
+
+
 def _recording(signal: Signal) -> Recording:
     quantum = finest(signal.values)
     return Recording(signal=signal, bands=envelopes(signal, quantum), finest=quantum)
@@ -139,6 +144,7 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
         likely = [decay for decay in out if not _gravely_doubted(decay)]
         let_go = [decay for decay in _let_go(recording) if not _overlaps(decay, likely)]
         ends = _at_end(recording) if not likely and not let_go else []
+        ends = [decay for decay in ends if not _gravely_doubted(decay)]
         # Of the same motion, one decay is enough.
         out = [*let_go, *ends, *(decay for decay in out if not _overlaps(decay, let_go))]
     return out, remarks
@@ -149,14 +155,13 @@ def _gravely_doubted(decay: Decay) -> bool:
 
 
 def _at_end(recording: Recording) -> list[Decay]:
-    """Return the decay at the end of a recording that is driven before, if that is beyond grave doubt."""
+    """Return the decay at the end of a recording that is driven before, if there is one."""
     signal = recording.signal
     free = free_end(signal, recording.finest)
     if free is None:
         return []
     first, last = (signal.start + signal.step * sample for sample in (free[0], free[1] - 1))
-    decays, _ = examined(recording, _given(signal, recording.bands, first, last), moved=True, alone=True)
-    return [decay for decay in decays if not _gravely_doubted(decay)]
+    return list(examined(recording, _given(signal, recording.bands, first, last), moved=True, alone=True)[0])
 
 
 def _overlaps(decay: Decay, others: Sequence[Decay]) -> bool:

@@ -111,6 +111,15 @@ class Note(Code):
             )
         ),
     )
+    UNTIL_LOCKED = (
+        "until locked",
+        sentence(
+            lambda n: (
+                f"the motion from {moment(float(str(n['start'])))} to {moment(float(str(n['stop'])))} s is used: after "
+                f"that a channel rests or two move as one, as where friction locks a strut"
+            )
+        ),
+    )
     LARGEST_USED = (
         "largest used",
         sentence(

@@ -1,0 +1,112 @@
+"""Masses that friction in a strut locks to each other, and records that end with free motion after a drive."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from suspid import Analysis, Level, Settings, analyse, identify
+from suspid.analysis.until_locked import _stops, until_locked
+from suspid.analysis.used import Used
+from suspid.records import as_response
+from suspid.signals import as_signal
+from suspid.words import Note
+
+Real = NDArray[np.floating]
+
+MASS = np.array([1.2, 0.8])
+
+
+def released(stiffness: Real, damping: Real, friction: float) -> tuple[Real, Real, Real]:
+    """Return times, positions of two masses on each other that are held and let go at 0.5 s, and the linear poles' wn.
+
+    Friction acts in the strut between them: in each short step it is what stops it, or as much as it can be.
+    """
+    step, every, held = 2e-5, 100, np.array([0.02, 0.045])
+    x, v, out = held.copy(), np.zeros(2), []
+    shared = MASS[0] * MASS[1] / MASS.sum()
+    for k in range(int(3 / step)):
+        if k % every == 0:
+            out.append(x.copy())
+        if k * step < 0.5:
+            continue
+        lower = -stiffness[0] * x[0] - damping[0] * v[0]
+        upper = -stiffness[1] * (x[1] - x[0]) - damping[1] * (v[1] - v[0])
+        rate = np.array([(lower - upper) / MASS[0], upper / MASS[1]])
+        stop = -((v[1] - v[0]) / step + rate[1] - rate[0]) * shared
+        rub = min(max(stop, -friction), friction)
+        v = v + step * (rate + np.array([-rub, rub]) / MASS)
+        x = x + step * v
+    matrix = np.array([[stiffness.sum(), -stiffness[1]], [-stiffness[1], stiffness[1]]]) / MASS[:, None]
+    return every * step * np.arange(len(out)), np.array(out).T, np.sqrt(np.sort(np.linalg.eigvals(matrix).real))
+
+
+def written(path: Path, time: Real, values: Real, header: str) -> Path:
+    np.savetxt(path, np.column_stack([time, *values]), delimiter=",", header=header, comments="", fmt="%.7g")
+    return path
+
+
+STIFFNESS, DAMPING = np.array([3000.0, 2000.0]), np.array([0.5, 0.5])
+
+
+def locked(path: Path) -> tuple[Analysis, Real]:
+    time, position, wn = released(STIFFNESS, DAMPING, 2.0)
+    coarse = 2e-4 * np.round(position / 2e-4)
+    return analyse(written(path, time, coarse, "time [s],x1 [m],x2 [m]")), wn
+
+
+def test_both_modes_are_found_where_friction_locks_the_strut(tmp_path: Path) -> None:
+    found, wn = locked(tmp_path / "rig.csv")
+    assert found.modes.wn == pytest.approx(wn, rel=0.01)
+    assert "friction" in str(found.identification.forces)
+    assert Note.UNTIL_LOCKED in {note.code for note in found.notes}
+
+
+class TestStops:
+    TIME = np.arange(3000) / 1000
+
+    def stop(self, *channels: Real) -> float:
+        noise = 1e-3 * np.random.default_rng(1).standard_normal((len(channels), self.TIME.size))
+        response = as_response(self.TIME, np.stack(channels) + noise, [f"y{k}" for k in range(len(channels))])
+        return min(_stops(as_signal(response))) / 1000
+
+    def test_one_that_rests_while_another_moves(self) -> None:
+        swings = np.sin(20 * self.TIME)
+        assert self.stop(swings, np.where(self.TIME < 1.5, swings, np.sin(30.0))) == pytest.approx(1.5, abs=0.05)
+
+    def test_two_that_move_as_one(self) -> None:
+        low, apart = np.sin(20 * self.TIME), np.cos(0.5 * np.pi * np.minimum(self.TIME / 0.1, 17))
+        assert self.stop(low, low + apart) == pytest.approx(1.7, abs=0.05)
+
+    def test_none_where_all_move_to_the_end(self) -> None:
+        assert self.stop(np.sin(20 * self.TIME), np.sin(31 * self.TIME)) == 3.0
+
+
+def test_a_linear_decay_whose_fast_mode_has_died_is_left_alone() -> None:
+    """Then two channels move as one, too; nothing is tried beside what leaves only noise."""
+    time = np.arange(2000) / 500
+    slow, fast = np.exp(-0.4 * time) * np.cos(9 * time), np.exp(-4 * time) * np.cos(60 * time)
+    values = np.stack([slow + fast, slow - fast]) + 1e-3 * np.random.default_rng(2).standard_normal((2, time.size))
+    record = as_response(time, values, ["a", "b"])
+    assert min(_stops(as_signal(record))) < 1500
+    found = identify(record)
+    assert len(found.modes) == 2
+    used = Used(record=record, decays=(), used=(), notes=(), identification=found)
+    assert until_locked(record, used, found, Settings()) is None
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_shaker_near_resonance_that_is_switched_off_twice(seed: int, tmp_path: Path) -> None:
+    """The motion swells and fades as one wave each time; after the second it is free."""
+    time = np.arange(1200) / 100
+    drives = ((time > 1) & (time < 2.5)) | ((time > 5.5) & (time < 7))
+    wn, zeta = 59.7, 0.014
+    pole = np.exp((-zeta + 1j * np.sqrt(1 - zeta**2)) * wn / 100)
+    motion = lfilter([1.0], np.poly([pole, pole.conj()]).real, np.where(drives, np.sin(57.5 * time), 0.0))
+    noise = 0.02 * np.std(motion) * np.random.default_rng(seed).standard_normal(time.size)
+    found = analyse(written(tmp_path / "shaker.csv", time, (motion + noise)[None], "time [s],body [m/s^2]"))
+    assert found.modes.wn == pytest.approx([wn], rel=2e-3)
+    assert found.modes.zeta == pytest.approx([zeta], rel=0.05)
+    assert found.verdict.level > Level.DOUBTFUL
