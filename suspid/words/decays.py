@@ -157,7 +157,7 @@ class DecayRemark(Code):
         "weak",
         sentence(
             lambda n: (
-                f"{_event(n)}too weak against the noise; the decay rate would be known to "
+                f"{_event(n)}what decays is too weak beside the rest; its decay rate would be known to "
                 f"{_percent(n['share'])} at best."
             )
         ),
