@@ -23,8 +23,8 @@ from suspid.words import Note, Remark
 if TYPE_CHECKING:
     import control
 
-# A rest before the motion, and what moves as one after it, take at most these shares of a record.
-STILL_BEFORE, AS_ONE_AFTER = 0.9, 0.97
+# What rests, or moves as one, does so at most for this share of a record.
+AS_ONE_AFTER = 0.97
 # Channels of which each pair is compared, at most: the first ones.
 MOST_COMPARED = 6
 # What stops moves by this many times as much before as its steps.
@@ -38,7 +38,7 @@ def until_locked(
 
     Friction in a strut lets two masses move against each other until it locks them. What goes on is another structure,
     and no fit explains both. ``found`` is what the search for decays led to: nothing else is tried where that leaves
-    only noise without forces, and begins before the strut is locked; nor is what has fewer modes used.
+    only noise and begins before the strut is locked; nor is what has fewer modes used.
     """
     if not questioned(found, settings):
         return None
@@ -46,7 +46,7 @@ def until_locked(
     signal, start = as_signal(record), as_signal(stretch.record).start
     last = min(_stops(signal), default=signal.values.shape[1])
     locked = _time(signal, last)
-    if last == signal.values.shape[1] or (settled(found) and not found.forces and start < locked):
+    if last == signal.values.shape[1] or (settled(found) and start < locked):
         return None
     begins = min((*releases_before(signal, locked), start))
     if locked - begins < (FEWEST_SAMPLES + 2 * STARTS_AFTER_REST[-1]) * signal.step:
