@@ -91,13 +91,6 @@ def test_the_end_of_a_larger_motion_need_not_be_its_end_in_every_channel(ends: f
     assert followed(np.stack([large + KNOCK, KNOCK]), start=20.0, stop=24.0) == follows
 
 
-@pytest.mark.parametrize(("size", "follows"), [(3.0, [True]), (1.5, [])])
-def test_what_comes_just_before_need_not_be_as_much_larger(size: float, follows: list[bool]) -> None:
-    """Three times the amplitude, of a slower motion: a mode of the decay that it had would be seen in it."""
-    large = np.where((TIME > 16) & (TIME < 20), size * np.sin(9 * TIME), 0.0)
-    assert followed(np.stack([large + KNOCK, KNOCK]), start=20.0, stop=24.0) == follows
-
-
 @pytest.mark.parametrize(("start", "follows"), [(4.0, [True]), (1.0, [])])
 def test_where_there_is_no_room_a_quarter_of_the_decay_is_compared(start: float, follows: list[bool]) -> None:
     """A decay of twelve seconds after four of other motion, or after one: a shorter part is not compared."""

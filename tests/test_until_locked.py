@@ -52,7 +52,7 @@ STIFFNESS, DAMPING = np.array([3000.0, 2000.0]), np.array([0.5, 0.5])
 
 
 def locked(path: Path) -> tuple[Analysis, Real]:
-    time, position, wn = released(STIFFNESS, DAMPING, 2.0)
+    time, position, wn = released(STIFFNESS, DAMPING, 4.0)
     coarse = 2e-4 * np.round(position / 2e-4)
     return analyse(written(path, time, coarse, "time [s],x1 [m],x2 [m]")), wn
 

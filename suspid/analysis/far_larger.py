@@ -129,11 +129,8 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
     values, count = signal.values[rows], last - first
     room = max(first, size - last)
     # The end of a motion need not be its end in every channel.
-    looks = (
-        (count // QUARTER, np.max, True, MORE),
-        (count if count <= room else count // QUARTER, np.min, False, FAR_MORE),
-    )
-    for length, over_channels, follows, limit in looks:
+    looks = ((count // QUARTER, np.max, True), (count if count <= room else count // QUARTER, np.min, False))
+    for length, over_channels, follows in looks:
         # The last samples before, or all.
         of = slice(max(0, first - 3 * length // 2), first) if follows else slice(0, size)
         starts = np.arange(of.start, of.stop - length + 1)
@@ -144,7 +141,7 @@ def larger_elsewhere(record: control.TimeResponseData, stretch: Used) -> tuple[R
         power = _powers(values[:, of], length)[:, at - of.start]
         more = over_channels(power / np.maximum(own, 1e-300)[:, None], axis=0)
         most = int(np.argmax(more))
-        if not limit < more[most] < np.inf:
+        if not FAR_MORE < more[most] < np.inf:
             continue
         if not follows or _moves_slower(values[:, at[most] : at[most] + length], signal.step, stretch):
             time = signal.start + signal.step * float(at[most] + length / 2)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import settled, tried
+from suspid.analysis.choice import level_of, settled, tried
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
@@ -18,7 +18,7 @@ from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
-from suspid.words import Note, Remark
+from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -38,7 +38,8 @@ def until_locked(
 
     Friction in a strut lets two masses move against each other until it locks them. What goes on is another structure,
     and no fit explains both. ``found`` is what the search for decays led to: nothing else is tried where that leaves
-    only noise and begins before the strut is locked; nor is what has fewer modes used.
+    only noise and begins before the strut is locked. What has fewer modes is not used, nor as many where what begins
+    before it is not doubtful.
     """
     if not questioned(found, settings):
         return None
@@ -51,11 +52,13 @@ def until_locked(
     begins = min((*releases_before(signal, locked), start))
     if locked - begins < (FEWEST_SAMPLES + 2 * STARTS_AFTER_REST[-1]) * signal.step:
         return None
+    clear = start < locked and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
+    least = max(1, len(found.modes) + clear)
     for samples in STARTS_AFTER_REST:
         stop = _time(signal, last - 1 - samples)
         part = cut(record, start=begins + samples * signal.step, stop=stop)
         moved = tried(part, settings)
-        if moved is None or len(moved.modes) < max(1, len(found.modes)):
+        if moved is None or len(moved.modes) < least:
             continue
         if settled(moved) and swings(moved.modes):
             notes = (Remark(Note.UNTIL_LOCKED, {"start": as_signal(part).start, "stop": stop}),)
