@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from suspid import analyse
-from suspid.analysis.free_swings import _falls_late, _is_stopped, _runs_down, _swings
+from suspid import analyse, identify
+from suspid.analysis.free_swings import _falls_late, _is_stopped, _runs_down, _swings, doubts_of_swings
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import Level, RecordCheck
 
@@ -53,6 +54,15 @@ def test_of_a_beat_and_of_what_is_driven_by_less_and_less_they_do_not(envelope: 
 def test_many_that_hardly_fall_and_then_are_gone_are_stopped(envelope: RealArray, *, stopped: bool) -> None:
     noise = 0.01 * np.random.default_rng(1).standard_normal(T.size)
     assert _is_stopped(envelope * SWINGS + noise) is stopped
+
+
+def test_a_motor_that_is_switched_off_is_doubted_though_forces_follow_it() -> None:
+    noise = 0.01 * np.random.default_rng(1).standard_normal(T.size)
+    runs = np.where(T < 20, 1.0, np.exp(-3 * np.maximum(T - 20, 0))) * SWINGS + noise
+    found = identify(as_response(T[1500:], runs[None, 1500:], ["a"]))
+    assert len(found.modes) == 1
+    assert not _falls_late(_swings(runs[1500:])[0])
+    assert [check.level for check in doubts_of_swings(found)] == [Level.DOUBTFUL]
 
 
 def test_what_falls_into_loud_noise_is_not_stopped() -> None:

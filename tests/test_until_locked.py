@@ -7,14 +7,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from suspid import Analysis, Level, Settings, analyse, identify
+from suspid import Identification, Level, Settings, analyse, identify
+from suspid.analysis.free_end import at_free_end
 from suspid.analysis.until_locked import _stops, until_locked
 from suspid.analysis.used import Used
-from suspid.records import as_response
+from suspid.records import as_response, cut
 from suspid.signals import as_signal
 from suspid.words import Note
 
-Real = NDArray[np.floating]
+Real = NDArray[np.float64]
 
 MASS = np.array([1.2, 0.8])
 
@@ -51,16 +52,32 @@ def written(path: Path, time: Real, values: Real, header: str) -> Path:
 STIFFNESS, DAMPING = np.array([3000.0, 2000.0]), np.array([0.5, 0.5])
 
 
-def locked(path: Path) -> tuple[Analysis, Real]:
+@pytest.fixture(scope="module")
+def rig() -> tuple[Real, Real, Real]:
+    """Times and positions of a rig whose strut friction locks at 1.8 s, in coarse steps, and its frequencies."""
     time, position, wn = released(STIFFNESS, DAMPING, 4.0)
-    coarse = 2e-4 * np.round(position / 2e-4)
-    return analyse(written(path, time, coarse, "time [s],x1 [m],x2 [m]")), wn
+    return time, 2e-4 * np.round(position / 2e-4), wn
 
 
-def test_both_modes_are_found_where_friction_locks_the_strut(tmp_path: Path) -> None:
-    found, wn = locked(tmp_path / "rig.csv")
+def test_of_what_goes_on_behind_it_the_motion_before_is_used(rig: tuple[Real, Real, Real]) -> None:
+    time, position, wn = rig
+    record = as_response(time, position, ["x1 [m]", "x2 [m]"])
+    late = cut(record, start=1.9)
+    found = identify(late)
+    used = until_locked(record, Used(record=late, decays=(), used=(), notes=()), found, Settings())
+    assert used is not None
+    assert used.identification is not None
+    assert used.identification.modes.wn == pytest.approx(wn, rel=0.01)
+    assert "friction" in str(used.identification.forces)
+    assert used.record.time[0] == pytest.approx(0.5, abs=0.02)
+    assert used.record.time[-1] == pytest.approx(1.8, abs=0.05)
+
+
+@pytest.mark.slow
+def test_both_modes_are_found_by_the_first_command(rig: tuple[Real, Real, Real], tmp_path: Path) -> None:
+    time, position, wn = rig
+    found = analyse(written(tmp_path / "rig.csv", time, position, "time [s],x1 [m],x2 [m]"))
     assert found.modes.wn == pytest.approx(wn, rel=0.01)
-    assert "friction" in str(found.identification.forces)
     assert Note.UNTIL_LOCKED in {note.code for note in found.notes}
 
 
@@ -97,16 +114,46 @@ def test_a_linear_decay_whose_fast_mode_has_died_is_left_alone() -> None:
     assert until_locked(record, used, found, Settings()) is None
 
 
+WN, ZETA = 59.7, 0.014
+
+
+def shaken(*stops: float, seed: int = 1) -> tuple[Real, Real]:
+    """Return times and motion near resonance of a shaker that runs for 1.2 s up to each of some times."""
+    time = np.arange(1200) / 100
+    drives = np.any([(time > stop - 1.2) & (time < stop) for stop in stops], axis=0)
+    pole = np.exp((-ZETA + 1j * np.sqrt(1 - ZETA**2)) * WN / 100)
+    motion = lfilter([1.0], np.poly([pole, pole.conj()]).real, np.where(drives, np.sin(57.5 * time), 0.0))
+    return time, motion + 0.02 * np.std(motion) * np.random.default_rng(seed).standard_normal(time.size)
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_shaker_near_resonance_that_is_switched_off_twice(seed: int, tmp_path: Path) -> None:
-    """The motion swells and fades as one wave each time; after the second it is free."""
-    time = np.arange(1200) / 100
-    drives = ((time > 1) & (time < 2.5)) | ((time > 5.5) & (time < 7))
-    wn, zeta = 59.7, 0.014
-    pole = np.exp((-zeta + 1j * np.sqrt(1 - zeta**2)) * wn / 100)
-    motion = lfilter([1.0], np.poly([pole, pole.conj()]).real, np.where(drives, np.sin(57.5 * time), 0.0))
-    noise = 0.02 * np.std(motion) * np.random.default_rng(seed).standard_normal(time.size)
-    found = analyse(written(tmp_path / "shaker.csv", time, (motion + noise)[None], "time [s],body [m/s^2]"))
-    assert found.modes.wn == pytest.approx([wn], rel=2e-3)
-    assert found.modes.zeta == pytest.approx([zeta], rel=0.05)
+    time, motion = shaken(2.2, 7.0, seed=seed)
+    found = analyse(written(tmp_path / "shaker.csv", time, motion[None], "time [s],body [m/s^2]"))
+    assert found.modes.wn == pytest.approx([WN], rel=2e-3)
+    assert found.modes.zeta == pytest.approx([ZETA], rel=0.05)
     assert found.verdict.level > Level.DOUBTFUL
+
+
+class TestFreeEnd:
+    NONE = identify(as_response(np.arange(400) / 100, np.random.default_rng(3).standard_normal((1, 400)), ["a"]))
+
+    def end(self, time: Real, motion: Real, found: Identification = NONE) -> Used | None:
+        record = as_response(time, motion[None], ["a"])
+        return at_free_end(record, Used(record=record, decays=(), used=(), notes=()), found, Settings())
+
+    def test_it_begins_where_the_shaker_is_switched_off(self) -> None:
+        used = self.end(*shaken(2.2, 7.0))
+        assert used is not None
+        assert used.identification is not None
+        assert used.record.time[0] == pytest.approx(7.0, abs=0.1)
+        assert used.identification.modes.wn == pytest.approx([WN], rel=2e-3)
+
+    def test_there_is_none_where_it_runs_to_the_end(self) -> None:
+        assert self.end(*shaken(2.2, 12.5)) is None
+
+    def test_nothing_is_sought_where_modes_are_found(self) -> None:
+        time, motion = shaken(2.2, 7.0)
+        late = identify(as_response(time[710:], motion[None, 710:], ["a"]))
+        assert len(late.modes) == 1
+        assert self.end(time, motion, late) is None

@@ -117,7 +117,7 @@ def _tops(motion: RealArray, at: NDArray[np.intp]) -> RealArray:
     at = np.clip(at, 1, len(motion) - 2)
     before, top, after = motion[at - 1], motion[at], motion[at + 1]
     bend = 2 * top - before - after
-    between = np.where(bend > 0, (after - before) ** 2 / np.maximum(8 * bend, 1e-300), 0.0)
+    between = (after - before) ** 2 / np.where(bend > 0, 8 * bend, np.inf)
     highest = np.maximum(np.maximum(before, after), top)
     return np.asarray(np.where((top >= before) & (top >= after), top + between, highest))
 
