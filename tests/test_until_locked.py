@@ -41,7 +41,8 @@ def released(stiffness: Real, damping: Real, friction: float) -> tuple[Real, Rea
         v = v + step * (rate + np.array([-rub, rub]) / MASS)
         x = x + step * v
     matrix = np.array([[stiffness.sum(), -stiffness[1]], [-stiffness[1], stiffness[1]]]) / MASS[:, None]
-    return every * step * np.arange(len(out)), np.array(out).T, np.sqrt(np.sort(np.linalg.eigvals(matrix).real))
+    times = np.asarray(every * step * np.arange(len(out)), float)
+    return times, np.array(out).T, np.sqrt(np.sort(np.linalg.eigvals(matrix).real))
 
 
 def written(path: Path, time: Real, values: Real, header: str) -> Path:
