@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import control
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -12,7 +13,7 @@ from scipy.special import ellipk
 
 from suspid import Identification, Settings, analyse, as_record, identify
 from suspid.analysis.choice import damping_known
-from suspid.analysis.largest import _as_damped_later, _largest, _plain, of_largest
+from suspid.analysis.largest import STARTS_TRIED, _as_damped_later, _largest, _plain, of_largest
 from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
@@ -287,14 +288,15 @@ def test_swings_that_shrink_far_longer_than_a_doubtful_stretch_are_used_doubtful
 def test_where_nothing_is_calm_the_last_start_shows_the_same_damping(
     grows: float, used: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    time, tries = TestOfLargest.t, iter(range(6))
+    time = TestOfLargest.t
     fills = np.exp(-0.05 * time) * np.sin(3 * time) + TestOfLargest.noise
     record = as_response(time, fills[None], ["seat"])
     stretch = Used(record=record, decays=(), used=(), notes=())
     calm = identify(as_response(time, TestOfLargest.noise[None], ["seat"]))
 
-    def tried(_part: object, _settings: Settings) -> Identification:
-        values = np.exp(-0.1 * grows ** next(tries) * time) * np.sin(12 * time) + TestOfLargest.noise
+    def tried(part: control.TimeResponseData, _settings: Settings) -> Identification:
+        start = int(np.argmin(np.abs(np.array(STARTS_TRIED) - part.time[0] / time[-1])))
+        values = np.exp(-0.1 * grows**start * time) * np.sin(12 * time) + TestOfLargest.noise
         return identify(as_response(time, values[None], ["seat"]))
 
     monkeypatch.setattr("suspid.analysis.largest.tried", tried)

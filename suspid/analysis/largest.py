@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -146,9 +147,14 @@ def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None
         return None
     shares = STARTS_TRIED if count <= LONG else FEWER_STARTS
     parts = [cut(motion.record, start=motion.first + share * length, stop=motion.last) for share in shares]
-    tries = [tried(part, settings) for part in parts]
-    if motion.shrinks and not _as_damped_later(tries):
+
+    @cache
+    def at(number: int) -> Identification | None:
+        return tried(parts[number], settings)
+
+    if motion.shrinks and not _as_damped_later([at(0), at(len(parts) - 1)]):
         return None
+    tries = [at(number) for number in range(len(parts))]
     levels = ((Level.CARE, AGREE),) if beside else ((Level.CARE, AGREE), (Level.DOUBTFUL, AGREE_DOUBTFUL))
     for level, others in levels:
         shown = [

@@ -59,7 +59,7 @@ def until_locked(
         part = cut(record, start=begins + samples * signal.step, stop=stop)
         moved = tried(part, settings)
         if moved is None or len(moved.modes) < least:
-            continue
+            return None
         if settled(moved) and swings(moved.modes):
             notes = (Remark(Note.UNTIL_LOCKED, {"start": as_signal(part).start, "stop": stop}),)
             used = Used(record=part, decays=stretch.decays, used=(), notes=notes, identification=moved)
