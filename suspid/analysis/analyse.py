@@ -18,6 +18,7 @@ from suspid.analysis.commanded import after_commands
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
 from suspid.analysis.free_end import at_free_end
+from suspid.analysis.from_release import from_release
 from suspid.analysis.largest import of_largest
 from suspid.analysis.later import from_later
 from suspid.analysis.means import with_means, with_means_of_longest
@@ -52,6 +53,9 @@ if TYPE_CHECKING:
 
 
 Source: TypeAlias = "str | os.PathLike[str] | Recording | RecordLike"
+
+# Other parts of a record that are tried, in order, where what the search for decays led to is in question.
+OTHER_PARTS = (between_rests, until_locked, from_later, from_release, of_largest, at_free_end)
 
 # The steps of `analyse`, in order; ``progress`` is called with each as it begins.
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
@@ -279,7 +283,7 @@ def _identified(
             if repeats is None or len(repeats.modes):
                 return asked.identification if repeats is None else repeats.each[0], repeats, asked
         # What a smooth wave hides can only be where it has ended.
-        others = (at_free_end,) if wave else (between_rests, until_locked, from_later, of_largest, at_free_end)
+        others = (at_free_end,) if wave else OTHER_PARTS
         for part_of in others:
             part = part_of(whole, stretch, kept, settings)
             if part is not None and part.identification is not None:

@@ -12,7 +12,7 @@ from suspid.decays.decay import FIT, LITTLE, Decay, Decays, by_chance, is_grave
 from suspid.decays.envelopes import finest
 from suspid.decays.find_decays import decay_at_end, find_decays
 from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, share_of
-from suspid.decays.predictions import at_rest_from, releases_before, rests_from
+from suspid.decays.predictions import at_rest_from, released_at, releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
 from suspid.decays.rests import STARTS_AFTER_REST, rest_of
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
@@ -40,6 +40,7 @@ __all__ = [
     "in_common",
     "is_grave",
     "not_far_weaker",
+    "released_at",
     "releases_before",
     "rest_of",
     "rests_from",

@@ -111,6 +111,15 @@ class Note(Code):
             )
         ),
     )
+    FROM_RELEASE = (
+        "from release",
+        sentence(
+            lambda n: (
+                f"no stretch is a free decay of its own; all of the motion is used, from its release at "
+                f"{moment(float(str(n['start'])))} s on"
+            )
+        ),
+    )
     UNTIL_LOCKED = (
         "until locked",
         sentence(
