@@ -9,6 +9,7 @@ from suspid.analysis.used import Used
 from suspid.records import as_response
 from suspid.units import RealArray
 from validation import rigs
+from validation.no_decay import KINDS
 
 TIME = np.arange(230) / 115.0
 NONE = identify(as_response(TIME, np.random.default_rng(3).standard_normal((1, TIME.size)), ["x"]))
@@ -50,6 +51,14 @@ def test_what_is_driven_after_a_rest_has_no_modes() -> None:
     rng = np.random.default_rng(5)
     road = np.convolve(rng.standard_normal(TIME.size), np.hanning(9), "same")
     assert used(np.where(TIME > 0.8, road, 0.0) + 0.01 * rng.standard_normal(TIME.size)) is None
+
+
+@pytest.mark.parametrize("seed", [761_001, 761_011])
+def test_what_brakes_has_no_modes(seed: int) -> None:
+    """Doubtful modes follow any motion after a rest."""
+    time, values = KINDS["braking"](np.random.default_rng(seed))
+    record = as_response(time, values, [f"y{k}" for k in range(len(values))])
+    assert from_release(record, Used(record=record, decays=(), used=(), notes=()), NONE, Settings()) is None
 
 
 def test_the_first_command_uses_it() -> None:

@@ -16,7 +16,7 @@ from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray
-from suspid.words import Note, Remark
+from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -48,7 +48,9 @@ def from_release(
         start = signal.start + signal.step * (first + samples)
         part = cut(record, start=start)
         moved = tried(part, settings)
-        if moved is not None and settled(moved) and swings(moved.modes) and damping_known(moved):
+        if moved is None or moved.verdict.level <= Level.DOUBTFUL:
+            continue
+        if settled(moved) and swings(moved.modes) and damping_known(moved):
             notes = (Remark(Note.FROM_RELEASE, {"start": start}),)
             used = Used(record=part, decays=stretch.decays, used=(), notes=notes, identification=moved)
             return instead_of(stretch, used)
