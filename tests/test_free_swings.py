@@ -53,7 +53,8 @@ def test_of_a_beat_and_of_what_is_driven_by_less_and_less_they_do_not(envelope: 
 )
 def test_many_that_hardly_fall_and_then_are_gone_are_stopped(envelope: RealArray, *, stopped: bool) -> None:
     noise = 0.01 * np.random.default_rng(1).standard_normal(T.size)
-    assert _is_stopped(envelope * SWINGS + noise) is stopped
+    samples = envelope * SWINGS + noise
+    assert _is_stopped(samples, *_swings(samples)) is stopped
 
 
 def test_a_motor_that_is_switched_off_is_doubted_though_forces_follow_it() -> None:
@@ -67,8 +68,9 @@ def test_a_motor_that_is_switched_off_is_doubted_though_forces_follow_it() -> No
 
 def test_what_falls_into_loud_noise_is_not_stopped() -> None:
     """Swings down to half of the largest are seen above eight standard deviations of the noise."""
-    noise = np.random.default_rng(1).standard_normal(T.size) / 10
-    assert not _is_stopped(np.exp(-0.1 * T) * SWINGS + noise)
+    noise = np.random.default_rng(1).standard_normal(T.size) / 7
+    samples = np.exp(-0.1 * T) * SWINGS + noise
+    assert not _is_stopped(samples, *_swings(samples))
 
 
 def test_those_that_grow_again_are_not_free() -> None:

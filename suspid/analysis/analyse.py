@@ -11,24 +11,19 @@ from typing import TYPE_CHECKING, TypeAlias
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.background import with_background
 from suspid.analysis.begun_tones import with_begun_tones
-from suspid.analysis.between_rests import between_rests
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import identified, level_of
 from suspid.analysis.commanded import after_commands
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
-from suspid.analysis.free_end import at_free_end
-from suspid.analysis.from_release import from_release
-from suspid.analysis.largest import of_largest
-from suspid.analysis.later import from_later
 from suspid.analysis.means import with_means, with_means_of_longest
+from suspid.analysis.other_parts import other_part
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import part_asked_for, stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
-from suspid.analysis.until_locked import until_locked
 from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
@@ -53,9 +48,6 @@ if TYPE_CHECKING:
 
 
 Source: TypeAlias = "str | os.PathLike[str] | Recording | RecordLike"
-
-# Other parts of a record that are tried, in order, where what the search for decays led to is in question.
-OTHER_PARTS = (between_rests, until_locked, from_later, from_release, of_largest, at_free_end)
 
 # The steps of `analyse`, in order; ``progress`` is called with each as it begins.
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
@@ -282,16 +274,11 @@ def _identified(
             repeats = _jointly(whole, asked, settings) if len(asked.used) > 1 else None
             if repeats is None or len(repeats.modes):
                 return asked.identification if repeats is None else repeats.each[0], repeats, asked
-        # What a smooth wave hides can only be where it has ended.
-        others = (at_free_end,) if wave else OTHER_PARTS
-        for part_of in others:
-            part = part_of(whole, stretch, kept, settings)
-            if part is not None and part.identification is not None:
-                kept, stretch = part.identification, part
-                break
-        else:
-            if wave:
-                return kept, None, doubted_as_wave(stretch)
+        other = other_part(whole, stretch, kept, settings, wave=wave)
+        if other is not None and other.identification is not None:
+            kept, stretch = other.identification, other
+        elif wave:
+            return kept, None, doubted_as_wave(stretch)
         kept, stretch = with_background(with_begun_tones(kept, whole), stretch, whole)
         return kept, None, stretch
     repeats = _jointly(whole, stretch, settings)

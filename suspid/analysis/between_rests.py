@@ -6,17 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import settled, tried
+from suspid.analysis.explained_parts import explains_swings, shortened, used_instead
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
-from suspid.analysis.used import Used, instead_of
-from suspid.decays import STARTS_AFTER_REST, rest_of
-from suspid.identification import FEWEST_SAMPLES, Identification
-from suspid.records import cut, of_channels
+from suspid.analysis.used import Used
+from suspid.decays import rest_of
+from suspid.identification import Identification
+from suspid.records import of_channels
 from suspid.signals import as_signal
 from suspid.units import RealArray
-from suspid.words import Note, Remark
+from suspid.words import Note
 
 if TYPE_CHECKING:
     import control
@@ -42,19 +41,14 @@ def between_rests(
     size = signal.values.shape[1]
     first = rest_of(signal.values, most=REST_BEFORE)
     last = size - rest_of(signal.values[:, ::-1], most=REST_AFTER)
-    if not first or last == size or last - first < FEWEST_SAMPLES + 2 * STARTS_AFTER_REST[-1]:
+    if not first or last == size or last <= first:
         return None
     if not _passes(signal.values[:, first:], last - first):
         return None
-    # The last samples before a rest may be of it, too.
-    for samples in STARTS_AFTER_REST:
-        start, stop = (signal.start + signal.step * place for place in (first + samples, last - 1 - samples))
-        part = cut(record, start=start, stop=stop)
-        moved = tried(part, settings)
-        if moved is not None and settled(moved) and moved.forces and swings(moved.modes):
-            notes = (Remark(Note.BETWEEN_RESTS, {"start": start, "stop": stop}),)
-            used = Used(record=part, decays=stretch.decays, used=(), notes=notes, identification=moved)
-            return instead_of(stretch, used)
+    start, stop = (signal.start + signal.step * sample for sample in (first, last - 1))
+    for part, moved in shortened(record, start, stop, settings):
+        if moved is not None and moved.forces and explains_swings(moved):
+            return used_instead(stretch, part, moved, Note.BETWEEN_RESTS)
     return None
 
 

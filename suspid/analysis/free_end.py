@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import damping_known, level_of, settled, tried
+from suspid.analysis.choice import damping_known, level_of, tried
+from suspid.analysis.explained_parts import explains_swings
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import decay_at_end
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def at_free_end(
     record: control.TimeResponseData, stretch: Used, found: Identification, settings: Settings
 ) -> Used | None:
-    """Return the end of a record that decays freely, if it has modes beyond doubt; None if it has none.
+    """Return the end of a record that decays freely, if it has modes that are not doubtful; else None.
 
     A stretch may begin where a shaker does, and not where it is switched off. ``found`` is what the search for decays
     led to: nothing else is sought where that has modes.
@@ -36,7 +36,7 @@ def at_free_end(
         return None
     used = instead_of(stretch, used_of(record, (decay, *stretch.decays), decay))
     moved = tried(used.record, settings)
-    if moved is None or not settled(moved) or not swings(moved.modes) or not damping_known(moved):
+    if moved is None or not explains_swings(moved) or not damping_known(moved):
         return None
     free = level_of(moved, used.used, used.decays) > Level.DOUBTFUL
     return replace(used, identification=moved) if free else None

@@ -52,7 +52,7 @@ def doubts_of_swings(found: Identification) -> Iterator[Check]:
     spared = max(1, int(2 * np.pi / (CYCLE_LEFT * float(found.modes.wn[0]) * signal.step)))
     samples = block_means(clearest, spared)[0]
     sizes, times = _swings(samples)
-    if _falls_late(sizes) or _is_stopped(samples):
+    if _falls_late(sizes) or _is_stopped(samples, sizes, times):
         yield Check(Remark(RecordCheck.FALLS_LATE), Level.DOUBTFUL)
     elif _runs_down(sizes, times):
         yield Check(Remark(RecordCheck.RUNS_DOWN), Level.DOUBTFUL)
@@ -90,16 +90,16 @@ def _falls_late(sizes: RealArray) -> bool:
     return bool(max(later) > FALLS_LATER * first)
 
 
-def _is_stopped(samples: RealArray) -> bool:
-    """Return whether many swings that hardly fall are followed by none."""
-    size = float(np.ptp(samples))
-    turns = turns_above_noise(samples, size)
-    sizes, times = _swings(samples)
+def _is_stopped(samples: RealArray, sizes: RealArray, times: RealArray) -> bool:
+    """Return whether many swings that hardly fall are followed by none in their samples."""
     if len(sizes) < FEWEST_SWINGS:
         return False
-    borders = _at_thirds(sizes)
-    large = borders[-1] > max(MUCH_LEFT * borders[0], ABOVE_SMALLEST * least_turn(samples, size))
-    return bool(large and len(samples) - turns[-1] > NONE_FOR * np.median(times))
+    first, *_, last = _at_thirds(sizes).tolist()
+    if last <= MUCH_LEFT * first:
+        return False
+    size = float(np.ptp(samples))
+    after = len(samples) - turns_above_noise(samples, size)[-1]
+    return bool(last > ABOVE_SMALLEST * least_turn(samples, size) and after > NONE_FOR * np.median(times))
 
 
 def _runs_down(sizes: RealArray, times: RealArray) -> bool:

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import level_of, settled, tried
+from suspid.analysis.choice import level_of, settled
+from suspid.analysis.explained_parts import explains_swings, shortened, used_instead
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import swings
 from suspid.analysis.support import questioned
-from suspid.analysis.used import Used, instead_of
-from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, rest_of
+from suspid.analysis.used import Used
+from suspid.decays import at_rest_from, finest, releases_before, rest_of
 from suspid.identification import FEWEST_SAMPLES, Identification
-from suspid.records import cut, of_channels
+from suspid.records import of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
-from suspid.words import Level, Note, Remark
+from suspid.words import Level, Note
 
 if TYPE_CHECKING:
     import control
@@ -50,20 +50,13 @@ def until_locked(
     if last == signal.values.shape[1] or (settled(found) and start < locked):
         return None
     begins = min((*releases_before(signal, locked), start))
-    if locked - begins < (FEWEST_SAMPLES + 2 * STARTS_AFTER_REST[-1]) * signal.step:
-        return None
     clear = start < locked and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
     least = max(1, len(found.modes) + clear)
-    for samples in STARTS_AFTER_REST:
-        stop = _time(signal, last - 1 - samples)
-        part = cut(record, start=begins + samples * signal.step, stop=stop)
-        moved = tried(part, settings)
+    for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
         if moved is None or len(moved.modes) < least:
             return None
-        if settled(moved) and swings(moved.modes):
-            notes = (Remark(Note.UNTIL_LOCKED, {"start": as_signal(part).start, "stop": stop}),)
-            used = Used(record=part, decays=stretch.decays, used=(), notes=notes, identification=moved)
-            return instead_of(stretch, used)
+        if explains_swings(moved):
+            return used_instead(stretch, part, moved, Note.UNTIL_LOCKED)
     return None
 
 

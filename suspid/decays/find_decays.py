@@ -98,7 +98,7 @@ def find_decays(
 
 def decay_at_end(signal: Signal) -> Decay | None:
     """Return the decay at the end of a recording that is driven before, with its doubts; None without one."""
-    return next(iter(_at_end(_recording(signal))), None)
+    return _at_end(_recording(signal))
 
 
 def _recording(signal: Signal) -> Recording:
@@ -143,8 +143,8 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
     if all(decay.doubts for decay in out):
         likely = [decay for decay in out if not _gravely_doubted(decay)]
         let_go = [decay for decay in _let_go(recording) if not _overlaps(decay, likely)]
-        ends = _at_end(recording) if not likely and not let_go else []
-        ends = [decay for decay in ends if not _gravely_doubted(decay)]
+        end = _at_end(recording) if not likely and not let_go else None
+        ends = [] if end is None or _gravely_doubted(end) else [end]
         # Of the same motion, one decay is enough.
         out = [*let_go, *ends, *(decay for decay in out if not _overlaps(decay, let_go))]
     return out, remarks
@@ -154,14 +154,15 @@ def _gravely_doubted(decay: Decay) -> bool:
     return any(is_grave(doubt) for doubt in decay.doubts)
 
 
-def _at_end(recording: Recording) -> list[Decay]:
+def _at_end(recording: Recording) -> Decay | None:
     """Return the decay at the end of a recording that is driven before, if there is one."""
     signal = recording.signal
     free = free_end(signal, recording.finest)
     if free is None:
-        return []
+        return None
     first, last = (signal.start + signal.step * sample for sample in (free[0], free[1] - 1))
-    return list(examined(recording, _given(signal, recording.bands, first, last), moved=True, alone=True)[0])
+    decays, _ = examined(recording, _given(signal, recording.bands, first, last), moved=True, alone=True)
+    return decays[0] if decays else None
 
 
 def _overlaps(decay: Decay, others: Sequence[Decay]) -> bool:
