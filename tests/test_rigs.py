@@ -30,6 +30,39 @@ def test_friction_moves_as_the_event_exact_simulator_says(masses: int) -> None:
     assert moved.stop == pytest.approx(stop, abs=1e-5)
 
 
+def test_friction_in_struts_moves_as_small_steps_with_impulses_say() -> None:
+    """A time-stepping scheme: in each step the impulses of friction stop the contacts, or are at their limits."""
+    one, held = rigs.random_rig(rigs.IN_STRUTS, 2, np.random.default_rng(1))
+    assert np.all(one.friction > 0)
+    time, step, per = np.arange(0, 1.3, 0.002), 2e-4, 10
+    inverse, contacts = 1 / one.mass, one.contacts
+    moves = contacts * inverse @ contacts.T
+    x, v, seen = held.copy(), np.zeros(2), [held.copy()]
+    for _ in range((len(time) - 1) * per):
+        free, impulse = v + step * one.force(x, v) * inverse, np.zeros(2)
+        for k in [0, 1] * 15:
+            slides = contacts[k] @ (free - inverse * (contacts.T @ impulse))
+            impulse[k] = np.clip(impulse[k] + slides / moves[k, k], -one.friction[k] * step, one.friction[k] * step)
+        v = free - inverse * (contacts.T @ impulse)
+        x = x + step * v
+        seen.append(x)
+    moved = rigs.released(one, held, time)
+    np.testing.assert_allclose(moved.position.T, seen[::per], atol=5e-3 * np.max(np.abs(held)))
+    assert 1.2 < moved.stop < 1.3 and moved.stuck < moved.stop
+
+
+def test_a_strut_that_is_locked_at_once_leaves_the_motion_of_one_mass() -> None:
+    none, time = np.zeros(2), np.arange(0, 3, 0.01)
+    two = rigs.Rig(
+        mass=np.array([1.0, 3.0]), stiffness=np.array([400.0, 100.0]), damping=np.array([0.4, 0.1]),
+        friction=np.array([0.0, 1e3]), cubic=none, struts=True,
+    )  # fmt: skip
+    one = rig(mass=np.array([4.0]), damping=np.array([0.4]))
+    moved = rigs.released(two, np.array([1.0, 1.5]), time)
+    np.testing.assert_allclose(moved.position - [[0], [0.5]], rigs.released(one, np.ones(1), time).position[[0, 0]], atol=1e-6)
+    assert moved.stuck == 0.0
+
+
 def test_a_linear_rig_decays_as_its_pole_says() -> None:
     one, time = rig(damping=np.array([0.8])), np.arange(0, 3, 0.01)
     pole = -0.4 + 1j * np.sqrt(400 - 0.4**2)

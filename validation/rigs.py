@@ -1,7 +1,7 @@
 """Files of rigs that are not quite linear, from a simulator of its own, and what the first command says of them.
 
-One or two masses on springs and dampers, with friction against the ground, dampers that differ in compression and
-rebound, or springs that stiffen. Motion is integrated to 1e-9 between events; an event is a mass that stops or breaks
+One or two masses on springs and dampers, with friction against the ground or in the struts, dampers that differ in
+compression and rebound, or springs that stiffen. Motion is integrated to 1e-9 between events; an event is a contact that sticks or breaks
 loose. A record has what a test bench leaves in a file: rest, a pull and a held force before the release, an encoder's
 steps, a dead stop, stamps of a drifting or rounded clock.
 """
@@ -35,6 +35,8 @@ LATE = 0.1
 # Files of each kind and number of masses.
 SEEDS = int(os.environ.get("SUSPID_SEEDS", "100"))
 KINDS = ("friction", "bilinear", "cubic")
+# Friction where the springs are: only of several masses another thing than against the ground.
+IN_STRUTS = "friction in the struts"
 # Friction that stops both masses within a cycle or two leaves little to find: those that move for this long [s] have a
 # row of their own.
 MOVES_FOR = 0.5
@@ -52,12 +54,14 @@ class Rig:
     ----------
     mass, stiffness, damping : ndarray (mass,)
         From the ground up: masses [kg], springs [N/m] and dampers [N s/m] below them.
-    friction : ndarray (mass,)
-        Friction of each mass against the ground [N].
+    friction : ndarray (contact,)
+        Friction of each contact [N].
     cubic : ndarray (mass,)
         Force of each spring ``k u (1 + cubic u^2)`` at travel ``u`` [1/m2].
     rebound : float
         Damping while a spring lengthens over that while it shortens [1]; the mean of both is ``damping``.
+    struts : bool
+        Whether friction is in the struts, beside springs and dampers, and not of each mass against the ground.
     """
 
     mass: RealArray
@@ -66,11 +70,17 @@ class Rig:
     friction: RealArray
     cubic: RealArray
     rebound: float = 1.0
+    struts: bool = False
 
     @cached_property
     def links(self) -> RealArray:
         """Travel of each spring from the positions, (spring, mass)."""
         return np.asarray(np.eye(len(self.mass)) - np.eye(len(self.mass), k=-1))
+
+    @cached_property
+    def contacts(self) -> RealArray:
+        """Travel of each contact from the positions, (contact, mass)."""
+        return self.links if self.struts else np.eye(len(self.mass))
 
     @cached_property
     def wn(self) -> RealArray:
@@ -84,16 +94,32 @@ class Rig:
         share = np.where(speed > 0, self.rebound, 1.0) * 2 / (1 + self.rebound)
         return -self.links.T @ (self.stiffness * travel * (1 + self.cubic * travel**2) + self.damping * share * speed)
 
+    def friction_of(self, force: RealArray, signs: RealArray) -> RealArray:
+        """Return the friction of each contact [N] under forces on the masses: those that stick (0) take what they must.
+
+        ``signs`` are the directions in which contacts slide.
+        """
+        sticks, inverse = signs == 0, self.contacts / self.mass
+        push = inverse @ (force - self.contacts.T @ (self.friction * signs))
+        held = np.zeros(len(signs))
+        if np.any(sticks):
+            held[sticks] = np.linalg.solve((inverse @ self.contacts.T)[np.ix_(sticks, sticks)], push[sticks])
+        return np.asarray(np.where(sticks, held, self.friction * signs))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Motion:
-    """Motion after a release from rest, (mass, sample), turns (time and position of each) and the dead stop [s]."""
+    """Motion after a release from rest, (mass, sample), turns (time and position of each) and the dead stop [s].
+
+    ``stuck`` is since when the first contact sticks that does not slide again [s].
+    """
 
     time: RealArray
     position: RealArray
     velocity: RealArray
     turns: tuple[RealArray, ...]
     stop: Second
+    stuck: Second
 
 
 def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
@@ -102,25 +128,25 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
 
     count, now, end = len(rig.mass), 0.0, float(timepts[-1])
     state = np.concatenate([position, np.zeros(count)])
-    force = rig.force(position, np.zeros(count))
-    signs = np.where(np.abs(force) > rig.friction, np.sign(force), 0.0)
+    signs = _sliding(rig, state, np.zeros(len(rig.friction)))
     out = np.tile(state[:, None], len(timepts))
-    # A mass that has just broken loose is not yet at rest again.
+    # A contact that has just broken loose does not yet stick again.
     still = SLACK * float(np.max(np.abs(position)) * rig.wn[-1])
     turns: list[list[tuple[float, float]]] = [[(0.0, float(x))] for x in position]
+    since = np.where(signs == 0, 0.0, np.inf)
     while now < end and np.any(signs):
-        moving = signs != 0
 
-        def slope(_: float, s: RealArray, signs: RealArray = signs, moving: Any = moving) -> RealArray:
-            push = (rig.force(s[:count], s[count:]) - rig.friction * signs) / rig.mass
-            return np.concatenate([s[count:] * moving, push * moving])
+        def slope(_: float, s: RealArray, signs: RealArray = signs) -> RealArray:
+            force = rig.force(s[:count], s[count:])
+            return np.concatenate([s[count:], (force - rig.contacts.T @ rig.friction_of(force, signs)) / rig.mass])
 
-        def event(mass: int, sign: float) -> Callable[[float, RealArray], float]:
+        def event(contact: int, signs: RealArray = signs) -> Callable[[float, RealArray], float]:
+            sign, most = signs[contact], (1 + SLACK) * rig.friction[contact]
             if sign:
-                return lambda _, s: float(s[count + mass] * sign) + still
-            return lambda _, s: float((1 + SLACK) * rig.friction[mass] - abs(rig.force(s[:count], s[count:])[mass]))
+                return lambda _, s: float(rig.contacts[contact] @ s[count:] * sign) + still
+            return lambda _, s: float(most - abs(rig.friction_of(rig.force(s[:count], s[count:]), signs)[contact]))
 
-        events = [event(mass, sign) for mass, sign in enumerate(signs)]
+        events = [event(contact) for contact in range(len(signs))]
         for each in events:
             each.terminal, each.direction = True, -1  # type: ignore[attr-defined]
         solved: Any = solve_ivp(
@@ -130,16 +156,19 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
         if np.any(seen):
             out[:, seen] = solved.sol(timepts[seen])
         now, state = float(solved.t[-1]), solved.y[:, -1]
-        out[:count, timepts > now], out[count:, timepts > now] = state[:count, None], 0.0
         hit = next((k for k, times in enumerate(solved.t_events) if len(times)), None)
         if hit is None:
             break
-        state[count + hit] = 0.0
-        turns[hit].append((now, float(state[hit])))
-        force = rig.force(state[:count], state[count:])
-        signs = signs.copy()
-        loose = signs[hit] == 0 or abs(force[hit]) > rig.friction[hit]
-        signs[hit] = np.sign(force[hit]) if loose else 0.0
+        if not rig.struts:
+            turns[hit].append((now, float(state[hit])))
+        # What stops sliding sticks where friction holds it, and slides the other way where not.
+        stops = signs[hit] != 0
+        signs = np.where(np.arange(len(signs)) == hit, 0.0, signs)
+        if stops:
+            state[count:] = _sticking(rig, state[count:], signs == 0)
+        signs = _sliding(rig, state, signs)
+        since = np.where(signs == 0, np.minimum(since, now), np.inf)
+        out[:count, timepts > now], out[count:, timepts > now] = state[:count, None], 0.0
     stop = np.inf if np.any(signs) else now
     return Motion(
         time=timepts,
@@ -147,7 +176,28 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
         velocity=out[count:],
         turns=tuple(np.array(each) for each in turns),
         stop=stop,
+        stuck=float(np.min(since)),
     )
+
+
+def _sliding(rig: Rig, state: RealArray, signs: RealArray) -> RealArray:
+    """Return in which directions contacts slide: those that stick beyond their friction are let go, the worst first."""
+    count, signs = len(rig.mass), signs.copy()
+    force = rig.force(state[:count], state[count:])
+    while True:
+        needed = rig.friction_of(force, signs)
+        over = np.where(signs == 0, np.abs(needed) - rig.friction, 0.0)
+        worst = int(np.argmax(over))
+        if over[worst] <= 0:
+            return signs
+        signs[worst] = np.sign(needed[worst])
+
+
+def _sticking(rig: Rig, velocity: RealArray, sticks: NDArray[np.bool_]) -> RealArray:
+    """Return velocities after contacts stick, which takes away the speed in them and nothing else: an impulse."""
+    rows = rig.contacts[sticks]
+    impulse = np.linalg.solve(rows / rig.mass @ rows.T, rows @ velocity)
+    return velocity - (rows.T @ impulse) / rig.mass
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,12 +212,13 @@ class Release:
     turns: tuple[RealArray, ...]
     start: Second
     stop: Second
+    stuck: Second
     step: float
 
     @property
     def moves(self) -> Second:
-        """How long it moves."""
-        return min(self.stop, float(self.stamps[-1])) - self.start
+        """How long it moves; with friction in struts, until one of them sticks for good."""
+        return min(self.stuck if self.rig.struts else self.stop, float(self.stamps[-1])) - self.start
 
     @property
     def late(self) -> Second:
@@ -186,9 +237,12 @@ def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, R
     held = np.cumsum(rng.uniform(0.005, 0.03, masses)) * rng.choice([-1, 1])
     rig = replace(rig, stiffness=stiffness, damping=2 * rng.uniform(0.003, 0.02, masses) * stiffness / first)
     travel = rig.links @ held
-    if kind == "friction":
+    if kind in ("friction", IN_STRUTS):
         force = np.max(np.abs(rig.force(held, none)))
         rig = replace(rig, friction=rng.uniform(0.01, 0.1) * force * rng.uniform(0.5, 1.0, masses))
+    if kind == IN_STRUTS:
+        # Half of them in the upper strut alone, as of a guide without friction.
+        rig = replace(rig, struts=True, friction=rig.friction * [float(rng.uniform() < 0.5), *[1.0] * (masses - 1)])
     elif kind == "cubic":
         rig = replace(rig, cubic=rng.uniform(0.05, 0.2) / np.max(np.abs(travel)) ** 2 * np.ones(masses))
     elif kind == "bilinear":
@@ -202,7 +256,7 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
     The rate is 100 to 1000 Hz (at least ten samples in a period of the fastest mode), encoders have 8 to 12 bits over
     1.1 to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds.
     """
-    rng = np.random.default_rng([seed, masses, KINDS.index(kind)])
+    rng = np.random.default_rng([seed, masses, (*KINDS, IN_STRUTS).index(kind)])
     rig, held = random_rig(kind, masses, rng)
     rate = float(np.exp(rng.uniform(np.log(max(100.0, 10 * rig.wn[-1] / (2 * np.pi))), np.log(1000.0))))
     before, after = rng.uniform(0.2, 1.0), rng.uniform(0.5, 2.0) + rng.uniform(0.0, 1.0)
@@ -228,6 +282,7 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
         turns=tuple(np.column_stack([pace * (each[:, 0] + before), each[:, 1]]) for each in moved.turns),
         start=float(pace * before),
         stop=float(pace * (before + moved.stop)),
+        stuck=float(pace * (before + moved.stuck)),
         step=step,
     )
 
@@ -308,13 +363,13 @@ def equivalent_modes(
     found, weights = [], []
     for part in parts[np.linspace(0, len(parts) - 1, 1 + PER_CYCLE * len(parts) // of_cycle).astype(int)]:
         size = np.sqrt(np.mean(sizes[:, part] ** 2, axis=1))
-        travel, speed = np.abs(rig.links @ shapes) * size, np.abs(shapes) * size * wn
+        travel, speed = np.abs(rig.links @ shapes) * size, np.abs(rig.contacts @ shapes) * size * wn
         springs = np.array([1.5 * np.sum(travel**2, axis=1) - 0.75 * travel[:, k] ** 2 for k in range(count)]).T
         springs = rig.links.T @ ((rig.stiffness * rig.cubic)[:, None] * springs * (rig.links @ shapes))
         others = np.sqrt(np.maximum(np.sum(speed**2, axis=1, keepdims=True) - speed**2, 0.0))
-        dampers = rig.friction[:, None] * _friction_of_tone(speed, others) * shapes
+        dampers = rig.friction[:, None] * _friction_of_tone(speed, others) * (rig.contacts @ shapes)
         without = _poles(stiffness + shapes.T @ springs, damping)
-        poles = _poles(stiffness + shapes.T @ springs, damping + shapes.T @ dampers)
+        poles = _poles(stiffness + shapes.T @ springs, damping + shapes.T @ rig.contacts.T @ dampers)
         if len(poles) == count:
             found.append([np.abs(without), -poles.real / np.abs(poles)])
             weights.append(size * np.max(np.abs(shapes), axis=0) > seen)
@@ -398,10 +453,10 @@ def report(*, seeds: int = SEEDS) -> str:
     rows = []
     with ProcessPoolExecutor(max_workers=2) as pool:
         for masses in (1, 2):
-            for kind in KINDS:
+            for kind in (*KINDS, IN_STRUTS)[: len(KINDS) + masses - 1]:
                 found = _outcomes(pool, kind, masses, FIRST_SEED, seeds)
                 rows.append([f"{masses}, {kind}", str(seeds), *_shares(found)])
-                if kind == "friction":
+                if kind in ("friction", IN_STRUTS):
                     first, long = FIRST_SEED, _moving(found)
                     while len(long) < seeds:
                         first += seeds
@@ -416,11 +471,13 @@ def report(*, seeds: int = SEEDS) -> str:
             [
                 "# Rigs that are not quite linear",
                 f"Random rigs from their files, seeds {FIRST_SEED} and on, `analyse` without any setting. Friction 1 "
-                f"to 10 % of the first spring force; dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
+                f"to 10 % of the first spring force, against the ground or in the struts (in half of the latter only in the "
+                f"upper one); dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
                 f"are those of records with modes to compare (of two masses: with both), the larger of the modes, "
                 f"against means over the cycles that the result is of: from turn to turn (one mass) or of the "
-                f"equivalent linear system (two masses). Intervals are counted by mode. Friction may stop masses "
-                f"within some cycles: the first {seeds} that move for {MOVES_FOR} s or more have rows of their own.",
+                f"equivalent linear system (two masses). Intervals are counted by mode. Friction may stop masses, "
+                f"or lock a strut, within some cycles: the first {seeds} that move, or of which no strut is locked, for "
+                f"{MOVES_FOR} s or more have rows of their own.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
         )

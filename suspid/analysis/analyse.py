@@ -24,6 +24,7 @@ from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import part_asked_for, stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
+from suspid.analysis.until_locked import after_lock
 from suspid.analysis.used import Used
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
@@ -137,7 +138,7 @@ def analyse(
                     stretch = replace(decay, notes=(Remark(Note.SOUGHT_WITHIN), *decay.notes))
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settings.decay == "auto" and part is None:
-        notes += larger_elsewhere(record, stretch)
+        notes += [*larger_elsewhere(record, stretch), *after_lock(record, stretch)]
     springs = Springs()
     if car is not None:
         begin(STEPS[3])

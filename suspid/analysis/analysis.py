@@ -50,6 +50,7 @@ CALLS_FOR_CARE = {
     Note.FEWER_CHANNELS: RecordCheck.FEWER_CHANNELS,
     Note.LARGER_ELSEWHERE: RecordCheck.LARGER_ELSEWHERE,
     Note.LARGEST_USED: RecordCheck.LARGEST_USED,
+    Note.AFTER_LOCK: RecordCheck.AFTER_LOCK,
     Note.MEANS: RecordCheck.MEANS,
 }
 

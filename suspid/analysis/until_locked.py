@@ -18,7 +18,7 @@ from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
-from suspid.words import Level, Note
+from suspid.words import Level, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 AS_ONE_AFTER = 0.97
 # Channels of which each pair is compared, at most: the first ones.
 MOST_COMPARED = 6
+# A stretch of which this share comes after a lock is of what is locked.
+MOSTLY = 0.9
 # What stops moves by this many times as much before as its steps.
 MOVED_BEFORE = 30.0
 
@@ -45,7 +47,7 @@ def until_locked(
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
     signal, start = as_signal(record), as_signal(stretch.record).start
-    last = min(_stops(signal), default=signal.values.shape[1])
+    last = min(sample for sample, _ in _stops(signal))
     locked = _time(signal, last)
     if last == signal.values.shape[1] or (settled(found) and start < locked):
         return None
@@ -60,12 +62,36 @@ def until_locked(
     return None
 
 
-def _stops(signal: Signal) -> Iterator[int]:
+def after_lock(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:
+    """Return the note that two channels of a stretch move as one, and moved against each other before it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid.records import as_response, cut
+    >>> time = np.arange(3000) / 1000
+    >>> low, apart = np.sin(20 * time), np.cos(15 * np.minimum(time, 1.2))
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal((2, 3000))
+    >>> record = as_response(time, np.stack([low, low + apart]) + noise, ["hub", "frame"])
+    >>> used = Used(record=cut(record, start=1.25), decays=(), used=(), notes=())
+    >>> [str(note) for note in after_lock(record, used)]
+    ["'hub' and 'frame' move as one from 1.2 s on, and did not before"]
+    """
+    part = as_signal(stretch.record)
+    signal = as_signal(of_channels(record, part.channels))
+    last, names = min(_stops(signal))
+    locked, stop = _time(signal, last), float(part.timepts[-1])
+    if len(names) < 2 or stop - locked < MOSTLY * (stop - part.start):
+        return ()
+    return (Remark(Note.AFTER_LOCK, {"first": names[0], "second": names[1], "time": locked}),)
+
+
+def _stops(signal: Signal) -> Iterator[tuple[int, tuple[str, ...]]]:
     """Yield the samples from which on a channel rests, or two move as one, where each moved much further before."""
-    steps = finest(signal.values)
-    channels = range(min(len(signal.channels), MOST_COMPARED))
-    yield from (_stop(signal.values[k], steps[k]) for k in range(len(signal.channels)))
-    yield from (_stop(signal.values[i] - signal.values[k], steps[i] + steps[k]) for i, k in combinations(channels, 2))
+    steps, values, names = finest(signal.values), signal.values, signal.channels
+    yield from ((_stop(values[k], steps[k]), (names[k],)) for k in range(len(names)))
+    for i, k in combinations(range(min(len(names), MOST_COMPARED)), 2):
+        yield _stop(values[i] - values[k], steps[i] + steps[k]), (names[i], names[k])
 
 
 def _stop(values: RealArray, step: float) -> int:

@@ -129,6 +129,15 @@ class Note(Code):
             )
         ),
     )
+    AFTER_LOCK = (
+        "after lock",
+        sentence(
+            lambda n: (
+                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did not "
+                f"before"
+            )
+        ),
+    )
     LARGEST_USED = (
         "largest used",
         sentence(
@@ -276,6 +285,15 @@ class RecordCheck(Code):
             lambda n: (
                 f"W{_after_changes(n)[1:]}, about where it settles: what is between a command and the motion, "
                 f"as a drive or a controller, is part of the modes."
+            )
+        ),
+    )
+    AFTER_LOCK = (
+        "after lock",
+        sentence(
+            lambda n: (
+                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did not "
+                f"before: friction or a stop may hold one to the other, and what is found is of both as one."
             )
         ),
     )

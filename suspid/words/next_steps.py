@@ -160,6 +160,7 @@ AFTER: dict[Code, NextStep] = {
     RecordCheck.DECAY: NextStep.WHICH_PART,
     RecordCheck.NEVER_SWINGS: NextStep.WHICH_PART,
     RecordCheck.LARGEST_USED: NextStep.WHICH_PART,
+    RecordCheck.AFTER_LOCK: NextStep.WHICH_PART,
     RecordCheck.FALLS_LATE: NextStep.WHICH_PART,
     RecordCheck.RUNS_DOWN: NextStep.WHICH_PART,
     ModeCheck.FEW_CYCLES: NextStep.RECORD_LONGER,
