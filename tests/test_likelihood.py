@@ -337,7 +337,7 @@ class TestJointCovariance:
         assert fit is not None
         # A residual that is exactly what the noise would leave on average.
         free = COUNT - len(poles) - poles.free / 3
-        fit = replace(fit, squares=STD**2 * free, information=fit.information * COUNT / free)
+        fit = replace(fit, squares=STD**2 * free, weighted=fit.weighted * COUNT / free)
         _, found = covariance_of(fit, values, np.ones(3))
         expected = dense_covariance(pairs, STD)
         scale = np.sqrt(np.maximum(np.diag(expected), 1e-300))

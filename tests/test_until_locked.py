@@ -1,17 +1,18 @@
 """Masses that friction in a strut locks to each other."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from suspid import Settings, analyse, identify
-from suspid.analysis.until_locked import _stops, until_locked
+from suspid import Settings, analyse, as_record, identify
+from suspid.analysis.until_locked import _stops, after_lock, until_locked
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.signals import as_signal
-from suspid.words import Note
+from suspid.words import Level, Note, Remark
 
 Real = NDArray[np.float64]
 
@@ -70,6 +71,40 @@ def test_of_what_goes_on_behind_it_the_motion_before_is_used(rig: tuple[Real, Re
     assert "friction" in str(used.identification.forces)
     assert used.record.time[0] == pytest.approx(0.5, abs=0.02)
     assert used.record.time[-1] == pytest.approx(1.8, abs=0.05)
+
+
+class TestAfterLock:
+    """What is found behind a lock holds for what is locked."""
+
+    def note(self, rig: tuple[Real, Real, Real], start: float) -> tuple[Remark, ...]:
+        time, position, _ = rig
+        record = as_response(time, position, ["x1 [m]", "x2 [m]"])
+        return after_lock(record, Used(record=cut(record, start=start), decays=(), used=(), notes=()))
+
+    def test_a_stretch_behind_it_is_said_to_be_of_both_as_one(self, rig: tuple[Real, Real, Real]) -> None:
+        (note,) = self.note(rig, 1.8)
+        assert note.code is Note.AFTER_LOCK
+        assert float(str(note.numbers["time"])) == pytest.approx(1.8, abs=0.05)
+
+    def test_one_that_begins_before_it_is_not(self, rig: tuple[Real, Real, Real]) -> None:
+        assert self.note(rig, 0.5) == ()
+
+    def test_two_that_never_move_against_each_other_are_not(self) -> None:
+        time = np.arange(2000) / 500
+        low = np.exp(-0.4 * time) * np.cos(9 * time)
+        values = np.stack([low, 1.2 * low]) + 1e-3 * np.random.default_rng(2).standard_normal((2, time.size))
+        record = as_response(time, values, ["a", "b"])
+        assert after_lock(record, Used(record=cut(record, start=0.4), decays=(), used=(), notes=())) == ()
+
+    def test_it_calls_for_care(self) -> None:
+        time = np.arange(400) / 100
+        noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+        found = analyse(as_record(np.exp(-time) * np.cos(20 * time) + noise, timepts=time, channels=["seat"]))
+        assert found.verdict.level is Level.SOUND
+        note = Remark(Note.AFTER_LOCK, {"first": "hub", "second": "frame", "time": 0.2})
+        late = replace(found, notes=(*found.notes, note))
+        assert late.verdict.level is Level.CARE
+        assert "'hub' and 'frame' move as one from 0.2 s on" in str(late.verdict)
 
 
 @pytest.mark.slow

@@ -1,9 +1,9 @@
 """Files of rigs that are not quite linear, from a simulator of its own, and what the first command says of them.
 
 One or two masses on springs and dampers, with friction against the ground or in the struts, dampers that differ in
-compression and rebound, or springs that stiffen. Motion is integrated to 1e-9 between events; an event is a contact that sticks or breaks
-loose. A record has what a test bench leaves in a file: rest, a pull and a held force before the release, an encoder's
-steps, a dead stop, stamps of a drifting or rounded clock.
+compression and rebound, or springs that stiffen. Motion is integrated to 1e-9 between events; an event is a contact
+that sticks or breaks loose. A record has what a test bench leaves in a file: rest, a pull and a held force before the
+release, an encoder's steps, a dead stop, stamps of a drifting or rounded clock.
 """
 
 from __future__ import annotations
@@ -471,13 +471,13 @@ def report(*, seeds: int = SEEDS) -> str:
             [
                 "# Rigs that are not quite linear",
                 f"Random rigs from their files, seeds {FIRST_SEED} and on, `analyse` without any setting. Friction 1 "
-                f"to 10 % of the first spring force, against the ground or in the struts (in half of the latter only in the "
-                f"upper one); dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
+                f"to 10 % of the first spring force, against the ground or in the struts (in half of the latter only "
+                f"in the upper one); dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
                 f"are those of records with modes to compare (of two masses: with both), the larger of the modes, "
                 f"against means over the cycles that the result is of: from turn to turn (one mass) or of the "
                 f"equivalent linear system (two masses). Intervals are counted by mode. Friction may stop masses, "
-                f"or lock a strut, within some cycles: the first {seeds} that move, or of which no strut is locked, for "
-                f"{MOVES_FOR} s or more have rows of their own.",
+                f"or lock a strut, within some cycles: the first {seeds} that move, or of which no strut is locked, "
+                f"for {MOVES_FOR} s or more have rows of their own.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
         )

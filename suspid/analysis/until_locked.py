@@ -28,7 +28,7 @@ AS_ONE_AFTER = 0.97
 # Channels of which each pair is compared, at most: the first ones.
 MOST_COMPARED = 6
 # A stretch of which this share comes after a lock is of what is locked.
-MOSTLY = 0.9
+BEHIND_LOCK = 0.9
 # What stops moves by this many times as much before as its steps.
 MOVED_BEFORE = 30.0
 
@@ -81,7 +81,7 @@ def after_lock(record: control.TimeResponseData, stretch: Used) -> tuple[Remark,
     signal = as_signal(of_channels(record, part.channels))
     last, names = min(_stops(signal))
     locked, stop = _time(signal, last), float(part.timepts[-1])
-    if len(names) < 2 or stop - locked < MOSTLY * (stop - part.start):
+    if len(names) < 2 or stop - locked < BEHIND_LOCK * (stop - part.start):
         return ()
     return (Remark(Note.AFTER_LOCK, {"first": names[0], "second": names[1], "time": locked}),)
 

@@ -73,7 +73,7 @@ def ranked(fit: DecayFit, variance: RealArray, points: Points) -> list[Candidate
     """
     theta, count, reals, channels = points.theta, fit.count, points.reals, len(variance)
     cross, inner = points.beside(fit)
-    solved = np.linalg.inv(fit.gram) @ cross
+    solved = fit.inverse_gram @ cross
     share = np.empty((channels, len(theta)))
     share[:, :reals] = _real_gain(theta[:reals], inner[:, :reals], cross[:, :reals], solved[:, :reals], count)
     share[:, reals:] = _pair_gain(

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from suspid.identification.candidates import Candidate
 from suspid.identification.classification import is_tone, reasons_of
-from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import blocks_of, synthesize
 from suspid.identification.fitting import Problem
+from suspid.identification.information import inverse_information
 from suspid.identification.likelihood import reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.ongoing import STEADY, lines_of

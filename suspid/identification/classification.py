@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid.identification.covariance import inverse_information
+from suspid.identification.information import inverse_information
 from suspid.identification.likelihood import DecayFit
 from suspid.levels import SURE
 from suspid.units import Ratio, RealArray

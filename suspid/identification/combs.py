@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from suspid.identification.covariance import inverse_information
+from suspid.identification.information import inverse_information
 from suspid.identification.ongoing import STEADY
 from suspid.identification.selection import Selection
 from suspid.levels import SURE

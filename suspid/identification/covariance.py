@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.identification.information import inverse_information
 from suspid.identification.likelihood import DecayFit
 from suspid.identification.poles import Poles
 from suspid.model import ModalSet
 from suspid.units import ComplexArray, RealArray, Second
 
-# Least eigenvalue of an information matrix of unit diagonal: smaller ones are rounding. It limits the standard
-# deviation of poles that can hardly be distinguished.
-LEAST_INFORMATION = 1e-10
 # Least eigenvalue of a covariance matrix of unit diagonal, of the amplitudes of several decays.
 LEAST_VARIANCE = 1e-13
 
@@ -128,7 +126,7 @@ def amplitude_errors(fit: DecayFit, kept: NDArray[np.intp]) -> tuple[RealArray, 
     Amplitudes are Re and Im of each wanted pole, channel by channel.
     """
     channels, size = len(fit.squares), 2 * len(kept)
-    parts, inverse = _parts(fit.poles, kept), np.linalg.inv(fit.gram)
+    parts, inverse = _parts(fit.poles, kept), fit.inverse_gram
     own, turned = (parts @ inverse @ parts.conj().T).real, -parts @ inverse @ fit.tilt * fit.count
     each = np.arange(channels)
     noise = np.zeros((channels, size, channels, size))
@@ -137,26 +135,13 @@ def amplitude_errors(fit: DecayFit, kept: NDArray[np.intp]) -> tuple[RealArray, 
     return noise.reshape(channels * size, -1), dragged.reshape(channels * size, -1)
 
 
-def inverse_information(information: RealArray) -> RealArray:
-    """Return the inverse of an information matrix (parameter, parameter), never indefinite.
-
-    Where poles can hardly be distinguished, rounding leaves eigenvalues near 0 or below; they are raised to
-    `LEAST_INFORMATION` of a unit diagonal.
-    """
-    diagonal = np.abs(information.diagonal())
-    scale = 1 / np.sqrt(np.maximum(diagonal, 1e-300 + 1e-30 * np.max(diagonal, initial=0.0)))
-    values, vectors = np.linalg.eigh(information * np.outer(scale, scale))
-    half = scale[:, None] * vectors / np.sqrt(np.maximum(values, LEAST_INFORMATION))
-    return np.asarray(half @ half.T)
-
-
 def widened(fit: DecayFit, larger: DecayFit, places: NDArray[np.intp]) -> RealArray:
     """Return how many times the variances of each pair hold what a fit with more poles says of it, (pair,).
 
     With P the covariance of a pair, Q that of its place among the pairs of the larger fit, and d the distance between
     the two estimates, it is the least factor f with ``f P >= Q + d d^T``.
     """
-    of_poles, of_more = (inverse_information(each.information * (each.freedom / each.count)) for each in (fit, larger))
+    of_poles, of_more = fit.of_poles, larger.of_poles
     factors = np.zeros(len(places))
     for k, place in enumerate(places.tolist()):
         own, more = slice(2 * k, 2 * k + 2), slice(2 * place, 2 * place + 2)

@@ -24,6 +24,7 @@ SERIES_TERMS = 26
 # E-foldings after which an exponential adds less to an inner product than its rounding: exp(-40) = 4e-18. In records of
 # fewer blocks than the second number, looking for those that have gone takes as long as it saves.
 GONE, MANY_BLOCKS = 40.0, 256
+ROOT_2 = float(np.sqrt(2.0))
 
 
 def power_sums(phi: ComplexArray, count: int, *, order: int = 2) -> ComplexArray:
@@ -65,41 +66,75 @@ def power_sums(phi: ComplexArray, count: int, *, order: int = 2) -> ComplexArray
     return sums
 
 
-def gram_sums(pairs: ComplexArray, reals: RealArray, count: int) -> ComplexArray:
-    """Return ``sum_k (k / n)^j conj(exp(theta_i k)) exp(theta_l k)``, (j, i, l), for j = 0, 1, 2.
+def gram_sums(pairs: ComplexArray, reals: RealArray, count: int) -> RealArray:
+    """Return ``sum_k (k / n)^j f_i(k) f_l(k)``, (j, i, l), for j = 0, 1, 2, in a real basis of the exponentials.
 
-    The exponents are pairs (those of the upper half plane), their conjugates, and real ones. Each sum that is another
-    one or its conjugate is computed once.
+    The basis is that of `real_powers`: real and imaginary parts of the pairs (those of the upper half plane) times the
+    square root of 2, then the real exponentials. Each sum of products of exponentials is computed once.
 
     Examples
     --------
     >>> import numpy as np
     >>> gram, _, _ = gram_sums(np.array([2j]), np.zeros(1), 3)
-    >>> bool(np.isclose(gram[0, 1], sum(np.exp(-4j * k) for k in range(3)))), float(gram[2, 2].real)
-    (True, 3.0)
+    >>> cosines = np.sqrt(2) * np.cos(2.0 * np.arange(3))
+    >>> bool(np.isclose(gram[0, 0], cosines @ cosines)), bool(np.isclose(gram[0, 2], cosines.sum()))
+    (True, True)
     """
-    left, right, place = _distinct_products(len(pairs), len(reals))
+    size, of_pairs = 2 * len(pairs) + len(reals), len(pairs) * (len(pairs) + 1) // 2
+    left, right, place = _products_of_parts(len(pairs), len(reals))
     theta = np.concatenate([pairs, pairs.conj(), reals])
     sums = power_sums(theta[left] + theta[right], count)
-    return np.asarray(np.concatenate([sums, sums.conj()], axis=1)[:, place])
+    # Products of a pair's conjugate and a pair, of two pairs, of a pair and a real exponential, of two of those.
+    same, crossed = sums[:, :of_pairs], sums[:, of_pairs : 2 * of_pairs]
+    mixed = ROOT_2 * sums[:, 2 * of_pairs : 2 * of_pairs + len(pairs) * len(reals)]
+    more, less = (same + crossed).view(float), (same - crossed).conj().view(float)
+    rest = sums[:, 2 * of_pairs + mixed.shape[1] :].view(float)
+    return np.concatenate([more, less, mixed.view(float), rest], axis=1).take(place, axis=1).reshape(3, size, size)
 
 
 @lru_cache(maxsize=256)
-def _distinct_products(pairs: int, reals: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
-    """Return the exponents whose sums are the distinct ones, and where each inner product stands among them.
+def _products_of_parts(pairs: int, reals: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    """Return the exponents whose sums `gram_sums` needs, and where each product of the basis stands among its parts.
 
-    The conjugate of the exponential i is that of exponent ``twin(i)``. A place beyond the distinct sums is a conjugate.
+    The exponents are pairs, their conjugates and real ones. Parts are the real and imaginary part of each, in turns.
     """
-    size = 2 * pairs + reals
-    twin = np.concatenate([np.arange(pairs) + pairs, np.arange(pairs), np.arange(2 * pairs, size)])
-    first, second = np.meshgrid(twin, np.arange(size), indexing="ij")
-    sums = np.sort(np.stack([first, second]).reshape(2, -1), axis=0)
-    mirrored = np.sort(twin[sums], axis=0)
-    codes, other = sums[0] * size + sums[1], mirrored[0] * size + mirrored[1]
-    least = np.minimum(codes, other)
-    distinct, place = np.unique(least, return_inverse=True)
-    place = np.where(codes == least, place, place + len(distinct)).reshape(size, size)
-    return distinct // size, distinct % size, place
+    one, other = np.triu_indices(pairs)
+    pair, real = np.divmod(np.arange(pairs * reals), max(reals, 1))
+    first, second = np.triu_indices(reals)
+    left = np.concatenate([pairs + one, one, pair, 2 * pairs + first])
+    right = np.concatenate([other, other, 2 * pairs + real, 2 * pairs + second])
+    place = np.zeros((2 * pairs + reals, 2 * pairs + reals), np.intp)
+    more = 2 * np.arange(len(one))
+    less, mixed = more + 2 * len(one), 4 * len(one) + 2 * np.arange(len(pair))
+    rest = 4 * len(one) + 2 * len(pair) + 2 * np.arange(len(first))
+    for i, k, at in (
+        (one, other, more),
+        (pairs + one, pairs + other, less),
+        (one, pairs + other, more + 1),
+        (pairs + one, other, less + 1),
+        (pair, 2 * pairs + real, mixed),
+        (pairs + pair, 2 * pairs + real, mixed + 1),
+        (2 * pairs + first, 2 * pairs + second, rest),
+    ):
+        place[i, k] = place[k, i] = at
+    return left, right, place.ravel()
+
+
+@lru_cache(maxsize=256)
+def turn_of(pairs: int, size: int) -> ComplexArray:
+    """Return the unitary matrix that turns amplitudes of the real basis to those of a number of exponentials.
+
+    Examples
+    --------
+    >>> turn_of(1, 2).round(2)
+    array([[0.71+0.j  , 0.  -0.71j],
+           [0.71+0.j  , 0.  +0.71j]])
+    """
+    half, one = 1 / ROOT_2, np.arange(pairs)
+    turn = np.eye(size, dtype=complex)
+    turn[one, one] = turn[pairs + one, one] = half
+    turn[one, pairs + one], turn[pairs + one, pairs + one] = -1j * half, 1j * half
+    return frozen_complex(turn)
 
 
 def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexArray:
@@ -256,8 +291,8 @@ def _successive(ratio: ComplexArray, count: int) -> ComplexArray:
     return powers
 
 
-def real_powers(theta: ComplexArray, pairs: int, count: int) -> tuple[RealArray, ComplexArray]:
-    """Return a real basis of the space of exponentials, (sample, number), and the unitary matrix that turns to it.
+def real_powers(theta: ComplexArray, pairs: int, count: int) -> RealArray:
+    """Return a real basis of the space of exponentials, (sample, number); `turn_of` is the matrix that turns to it.
 
     The exponents are pairs, their conjugates and real ones; the basis is real and imaginary parts of the pairs times
     the square root of 2, then the others. Amplitudes (exponent, channel) are the matrix times those of the basis.
@@ -265,23 +300,16 @@ def real_powers(theta: ComplexArray, pairs: int, count: int) -> tuple[RealArray,
     Examples
     --------
     >>> theta = np.array([-0.1 + 0.5j, -0.1 - 0.5j, -0.2])
-    >>> basis, turn = real_powers(theta, 1, 6)
-    >>> bool(np.allclose(np.exp(np.outer(np.arange(6), theta)), basis @ turn.conj().T))
+    >>> basis = real_powers(theta, 1, 6)
+    >>> bool(np.allclose(np.exp(np.outer(np.arange(6), theta)), basis @ turn_of(1, 3).conj().T))
     True
     """
     size = max(8, int(np.sqrt(count)))
     alone = np.concatenate([theta[:pairs], theta[2 * pairs :]])
     inner, outer = _powers(alone, size, -(-count // size))
     powers = (outer[:, None] * inner).reshape(-1, len(alone))[:count]
-    half = np.sqrt(0.5)
-    turn = np.eye(len(theta), dtype=complex)
-    one = np.arange(pairs)
-    other = one + pairs
-    turn[one, one] = turn[other, one] = half
-    turn[one, other], turn[other, other] = -1j * half, 1j * half
-    real = powers.real
-    basis = np.concatenate([real[:, :pairs] / half, powers.imag[:, :pairs] / half, real[:, pairs:]], axis=1)
-    return basis, turn
+    upper = ROOT_2 * powers[:, :pairs]
+    return np.concatenate([upper.real, upper.imag, powers[:, pairs:].real], axis=1)
 
 
 def synthesize(theta: ComplexArray, amplitudes: ComplexArray, count: int) -> RealArray:

@@ -91,7 +91,7 @@ class Problem:
         their block of the inverse Gram matrix. The energy is in units of the noise variance.
         """
         solution, count, pairs = fit.solution, self.blocks.count, len(fit.poles.pairs)
-        inverse = np.linalg.inv(solution.gram)
+        inverse = solution.inverse_gram
         # The blocks of conjugate exponents are [[a, b], [b*, a]], and so are their inverses.
         first = np.arange(pairs)
         a, b = inverse[first, first].real, inverse[first, first + pairs]

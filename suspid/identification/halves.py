@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from suspid.identification.ascent import Evaluated, Known, maximize, settled
-from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import Blocks, blocks_of
+from suspid.identification.information import inverse_information
 from suspid.identification.likelihood import DecayFit, evaluate, evaluate_samples
 from suspid.identification.noise import KnownNoise, WhiteNoise
 from suspid.identification.poles import Poles

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.covariance import LEAST_VARIANCE, amplitude_errors, inverse_information
+from suspid.identification.covariance import LEAST_VARIANCE, amplitude_errors
 from suspid.identification.likelihood import DecayFit
 from suspid.units import ComplexArray, Ratio
 
@@ -85,8 +85,7 @@ def _vanishes(
     by_amplitudes, by_poles = slopes
     parts = (value, by_amplitudes, by_amplitudes @ dragged + by_poles)
     both, own, turned = (np.concatenate([each.real, each.imag]) for each in parts)
-    of_poles = inverse_information(fit.information * (fit.freedom / fit.count))
-    covariance = own @ noise @ own.T + turned @ of_poles @ turned.T
+    covariance = own @ noise @ own.T + turned @ fit.of_poles @ turned.T
     scale = np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
     # Of real poles, half of the parts are none.

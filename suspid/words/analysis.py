@@ -133,8 +133,8 @@ class Note(Code):
         "after lock",
         sentence(
             lambda n: (
-                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did not "
-                f"before"
+                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did "
+                f"not before"
             )
         ),
     )
@@ -292,8 +292,8 @@ class RecordCheck(Code):
         "after lock",
         sentence(
             lambda n: (
-                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did not "
-                f"before: friction or a stop may hold one to the other, and what is found is of both as one."
+                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did "
+                f"not before: friction or a stop may hold one to the other, and what is found is of both as one."
             )
         ),
     )

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from suspid.identification.covariance import inverse_information
+from suspid.identification.information import inverse_information
 from suspid.identification.nonlinear.dependence import AmplitudeDependence
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means

@@ -29,6 +29,9 @@ def axis_unit(lines: Sequence[str], columns: Columns, axis: int, rates: Collecti
     >>> axis_unit(["Horizontal Units,S", "TIME,CH1", "0,5", "1,4"], columns, 0, [1.0])
     'S'
     """
+    # Of most texts no line does, which is told of all at once.
+    if HORIZONTAL_UNIT[1] not in "\n".join(lines).lower():
+        return ""
     named = [line for line in lines if line.lstrip('" ')[: len(HORIZONTAL_UNIT[1])].lower() == HORIZONTAL_UNIT[1]]
     stated = [columns.dialect.cells(line) for line in named]
     unit = next((cells[1] for cells in stated if cells[0].lower() in HORIZONTAL_UNIT and len(cells) > 1), "")
