@@ -759,6 +759,10 @@ class TestStepsInPlaceOfTheTime:
         steps = "time_from_previous_sample(ms)" if named else "column 3"
         assert dict(recording.left_out)[steps].code is LeftOut.STEP_CLOCK
 
+    def test_a_later_comment_of_as_many_words_is_no_header(self, tmp_path: Path) -> None:
+        said = "# X Y time_from_previous_sample(ms)\n# units set to: m/s^2\n# gravity filtered out\n"
+        assert read(tmp_path, self.text(" ", header=said)).names == ("X", "Y")
+
     def test_a_given_rate_replaces_them(self, tmp_path: Path) -> None:
         (tmp_path / "a.txt").write_text(self.text(" "), encoding="utf-8")
         given = read_recording(tmp_path / "a.txt", fs=50.0)

@@ -123,6 +123,9 @@ def _motions(record: control.TimeResponseData, *, largest: bool, beside: bool) -
     span = stands_out or (shrinking(signal) if largest else None)
     if span is not None:
         yield _Motion(record=record, first=span[0], last=span[1], shrinks=stands_out is None)
+        most = _moves_most(as_signal(cut(record, start=span[0], stop=span[1])))
+        if most is not None:
+            yield _Motion(record=of_channels(record, [most]), first=span[0], last=span[1], shrinks=stands_out is None)
     run = longest_shrinking(signal)
     # Of one channel, the same swings were tried, or more.
     known = run is not None and span is not None and len(signal.channels) == 1 and span[0] <= run[1] < run[2] <= span[1]
@@ -133,6 +136,13 @@ def _motions(record: control.TimeResponseData, *, largest: bool, beside: bool) -
     if between is not None:
         for names in [signal.channels, [smoothest(signal, between)]][: len(signal.channels)]:
             yield _Motion(record=of_channels(record, names), first=between[0], last=between[1], shrinks=True)
+
+
+def _moves_most(signal: Signal) -> str | None:
+    """Return the channel that has most of the energy of several, each about its mean; None where none has."""
+    energy = np.var(signal.values, axis=1)
+    most = int(np.argmax(energy))
+    return signal.channels[most] if len(energy) > 1 and energy[most] > MOST_OF_IT * energy.sum() else None
 
 
 def _agreed(motion: _Motion, settings: Settings, *, beside: bool) -> Used | None:
