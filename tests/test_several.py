@@ -196,6 +196,18 @@ class TestSeveralInOneFile:
         assert tuple(found.tests) == ("Fe", "Al")
         assert found.modes.channels == ("Out.Acc[1]", "Out.Acc[2]")
 
+    def test_one_that_is_refused_leaves_the_others(self, tmp_path: Path) -> None:
+        times, clock = np.arange(800) / 200, np.arange(300) / 100
+        moved = {"time": times, "signal": np.exp(-times) * np.sin(30 * times)}
+        held = {"time": clock, "signal": np.ones(clock.size)}
+        scipy.io.savemat(tmp_path / "s.mat", {"step": {"input": held, "output": moved}})
+        said = CliRunner().invoke(main, ["identify", str(tmp_path / "s.mat")])
+        assert said.exit_code == 0
+        assert "s.mat: 2 tests, one after the other; --test chooses one" in said.stdout
+        assert "1 mode found" in said.stdout
+        assert "test 'input':" in said.stdout
+        assert "no channel moves: 'step.input.signal': constant at 1" in said.stdout
+
     def test_the_command_prints_each(self, tmp_path: Path) -> None:
         path = two_in_one(tmp_path, CAR, OTHER)
         done = run("identify", path)

@@ -20,7 +20,7 @@ from suspid.cli.option_groups import Grouped
 from suspid.cli.options import DBC_OPTION, FS_OPTION, TIME_OPTION, analysing, progress
 from suspid.cli.output import check_apart, in_the_file, said_warnings, say, shown
 from suspid.cli.streams import FILE, JSON_FILE, RECORD
-from suspid.errors import InputError
+from suspid.errors import InputError, SuspidError
 from suspid.files import naming, printable, replacing
 from suspid.samples import held
 from suspid.signals import as_signal
@@ -91,22 +91,37 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
             ).about(printable(str(files[0])))
         if tests:
             found = replace(found, notes=tuple(note for note in found.notes if note.code is not Note.ONE_OF_TESTS))
-        others = [(files[0], analyse(files[0], settings=replace(settings, test=test))) for test in tests]
         if json_draft:
             json_draft.write_text(to_json(_json_of(found, files, said)), encoding="utf-8")
         if figure_draft:
             save_picture(partial(plot_identification, found.identification, units=found.units), figure_draft)
         said += said_of(found, most_left_out=MOST_NAMED, most_findings=MOST_FINDINGS)
+    if tests:
+        say(f"{printable(str(files[0]))}: {len(tests) + 1} tests, one after the other; --test chooses one\n")
     say(_in_words(files, found))
-    for file, other in others:
-        say(f"\n{_in_words([file], other)}")
+    for test in tests:
+        _say_test(files[0], test, settings)
+
+
+def _say_test(file: Path, test: str, settings: Settings) -> None:
+    """Say what is found in another test of a file as soon as it is: the next one may take long, or be refused."""
+    with said_warnings(), progress(*STEPS[:3]) as step:
+        try:
+            found = analyse(file, settings=replace(settings, test=test), progress=step)
+        except SuspidError as refusal:
+            said = f"test {test!r}: {refusal}"
+        else:
+            said = _in_words([file], found)
+    say(f"\n{said}")
 
 
 def _other_tests(found: Analysis) -> list[str]:
     """Return the tests in the file besides the one that was used because none was chosen."""
-    several = [note for note in found.notes if note.code is Note.ONE_OF_TESTS]
-    names = several[0].numbers["tests"] if several else ()
-    return [str(name) for name in names[1:]] if isinstance(names, tuple) else []
+    for note in found.notes:
+        names = note.numbers["tests"] if note.code is Note.ONE_OF_TESTS else ()
+        if isinstance(names, tuple) and names:
+            return [str(name) for name in names if name != note.numbers["used"]]
+    return []
 
 
 def _in_words(files: Sequence[Path], found: Analysis) -> str:

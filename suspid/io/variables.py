@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import RecordError
+from suspid.io.cell_tests import with_paired_cells
 from suspid.io.labels import Clocked, Group, Text, Texts, Variable, labelled
 from suspid.io.names import PER_SECOND, is_time, split_unit, stated_rate
 from suspid.io.tables import Table, TimeBase
@@ -48,6 +49,7 @@ def as_table(variables: Group) -> Table:
     ({'run1.seat': 3}, 50.0)
     """
     found = _Found()
+    variables = with_paired_cells(variables)
     top = _stated(variables)
     _collect(variables, "", None, found)
     if not found.sizes:
