@@ -13,7 +13,7 @@ from scipy.special import ellipk
 
 from suspid import Identification, Settings, analyse, as_record, identify
 from suspid.analysis.choice import damping_known
-from suspid.analysis.largest import STARTS_TRIED, _as_damped_later, _largest, _plain, of_largest
+from suspid.analysis.largest import STARTS_TRIED, _as_damped_later, _largest, _motions, _plain, of_largest
 from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
@@ -171,6 +171,24 @@ class TestOfLargest:
         used = of_largest(whole.record, calm, none, Settings())
         assert used is not None
         assert as_signal(used.record).start == pytest.approx(sorted(starts)[start], abs=0.02)
+
+    def test_the_channel_that_has_most_of_it_is_tried_alone_too(self) -> None:
+        """A hand that lets go moves the other axes of a sensor for as long as it likes."""
+        rng = np.random.default_rng(3)
+        hand = 0.05 * (self.t > 5) * lfilter([0.2], [1, -0.8], rng.standard_normal((2, self.t.size)))
+        values = np.stack([self.swing, *hand]) + 1e-3 * rng.standard_normal((3, self.t.size))
+        record = as_response(self.t, values, ["x", "y", "z"])
+        whole, alone = list(_motions(record, largest=True, beside=True))[:2]
+        assert as_signal(whole.record).channels == ("x", "y", "z")
+        assert whole.first > 10
+        assert as_signal(alone.record).channels == ("x",)
+        assert alone.first < 5.5
+
+    def test_of_two_that_move_alike_none_is(self) -> None:
+        values = np.stack([self.swing, 0.8 * self.swing]) + self.noise
+        motions = _motions(as_response(self.t, values, ["x", "y"]), largest=True, beside=True)
+        assert next(as_signal(motion.record).channels for motion in motions) == ("x", "y")
+        assert [as_signal(motion.record).channels for motion in motions] in ([], [("x",)])
 
     def test_noise_has_no_largest_motion(self) -> None:
         whole, _ = self.stretch(1.0, self.noise)

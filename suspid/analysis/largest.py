@@ -115,17 +115,16 @@ class _Motion:
 def _motions(record: control.TimeResponseData, *, largest: bool, beside: bool) -> Iterator[_Motion]:
     """Yield what moves most in a record, or swings that shrink from the ``largest`` on; then those that do so for long.
 
-    These may be beside a larger knock, and are those of a single channel. Last, unless there are modes ``beside`` it,
-    what lies between knocks, in all channels and in the one that moves most beside its roughness.
+    Where one channel has most of the energy, the first are sought in it alone, too; those that shrink for long are of a
+    single channel, and may be beside a larger knock. Last, unless there are modes ``beside`` it, what lies between
+    knocks, in all channels and in the one that moves most beside its roughness.
     """
     signal = as_signal(record)
-    stands_out = _largest(signal) if largest else None
-    span = stands_out or (shrinking(signal) if largest else None)
-    if span is not None:
-        yield _Motion(record=record, first=span[0], last=span[1], shrinks=stands_out is None)
-        most = _moves_most(as_signal(cut(record, start=span[0], stop=span[1])))
-        if most is not None:
-            yield _Motion(record=of_channels(record, [most]), first=span[0], last=span[1], shrinks=stands_out is None)
+    most = _moves_most(signal)
+    largest_of = [record, *([of_channels(record, [most])] if most is not None else [])] if largest else []
+    motions = [motion for each in largest_of if (motion := _most_of(each)) is not None]
+    yield from motions
+    span = (motions[0].first, motions[0].last) if motions else None
     run = longest_shrinking(signal)
     # Of one channel, the same swings were tried, or more.
     known = run is not None and span is not None and len(signal.channels) == 1 and span[0] <= run[1] < run[2] <= span[1]
@@ -136,6 +135,14 @@ def _motions(record: control.TimeResponseData, *, largest: bool, beside: bool) -
     if between is not None:
         for names in [signal.channels, [smoothest(signal, between)]][: len(signal.channels)]:
             yield _Motion(record=of_channels(record, names), first=between[0], last=between[1], shrinks=True)
+
+
+def _most_of(record: control.TimeResponseData) -> _Motion | None:
+    """Return what moves most in a record, or swings that shrink from the largest on; None if there is neither."""
+    signal = as_signal(record)
+    stands_out = _largest(signal)
+    span = stands_out or shrinking(signal)
+    return None if span is None else _Motion(record=record, first=span[0], last=span[1], shrinks=stands_out is None)
 
 
 def _moves_most(signal: Signal) -> str | None:

@@ -11,6 +11,7 @@ from suspid.arguments import explained
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.constant import alive, stilled
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
+from suspid.cleaning.on_change import evenly
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel, Recording
 from suspid.records import span
@@ -32,11 +33,11 @@ def clean(
 ) -> Cleaned:
     """Return the record of a recording on one uniform clock, and the defects found.
 
-    Repaired where that is safe: rounded, swapped, doubled and wrong time stamps; irregular sampling; isolated
-    impossible samples and short gaps (filled, with the error measured); gaps at the ends (cut off). Reported and
-    left: clipping, offsets, drifts. Left out unless asked for by name: constant channels, those on a slower clock,
-    and those with longer gaps where at least as many others have none. Anything else is an error that names the
-    longest clean stretch.
+    Repaired where that is safe: rounded, swapped, doubled and wrong time stamps; irregular sampling; rows that an
+    encoder writes when it counts on; isolated impossible samples and short gaps (filled, with the error measured); gaps
+    at the ends (cut off). Reported and left: clipping, offsets, drifts. Left out unless asked for by name: constant
+    channels, those on a slower clock, and those with longer gaps where at least as many others have none. Anything else
+    is an error that names the longest clean stretch.
 
     Parameters
     ----------
@@ -81,7 +82,9 @@ def clean(
     if not chosen:
         raise RecordError("the recording contains no channel")
     by_name = channels is not None
+    chosen, of_changes = evenly(chosen)
     chosen, findings = alive(chosen, by_name=by_name)
+    findings = [*of_changes, *findings]
     kept, further = one_clock([placed(group, fs) for group in by_clock(chosen)], by_name=by_name)
     findings += further
     timepts, table, further = whole(kept, findings, by_name=by_name)

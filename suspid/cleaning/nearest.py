@@ -112,7 +112,7 @@ def packed(times: RealArray, values: RealArray, rows: Indices, places: Indices) 
 def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, numbers: dict[str, Number]) -> Clock:
     """Return a uniform grid between irregular stamps."""
     steps = np.diff(times)
-    step = _mean_step(steps) if rate is None else 1 / rate
+    step = mean_step(steps) if rate is None else 1 / rate
     if np.sum(steps[steps > WIDE_HOLE * step]) > HOLLOW * (times[-1] - times[0]):
         raise RecordError(_hollow(steps, WIDE_HOLE * step))
     count = int(np.floor((times[-1] - times[0]) / step * (1 + 1e-12))) + 1
@@ -121,7 +121,7 @@ def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, numbers: dic
     return Clock(timepts=timepts, rows=rows, stamps=times, places=None, findings=(said,))
 
 
-def _mean_step(steps: RealArray) -> Second:
+def mean_step(steps: RealArray) -> Second:
     """Return the mean of all steps but holes: those that are wide against the mean of the others.
 
     A logger that often waits for its other work has many steps well above the usual one, where no row is missing.

@@ -265,6 +265,11 @@ class Defect(Code):
     OVERRIDDEN_STAMPS = "overridden stamps", _overridden_stamps
     JITTERING_STAMPS = "jittering stamps", _jittering_stamps
     IRREGULAR_STAMPS = "irregular stamps", _irregular_stamps
+    ON_CHANGE = (
+        "written on change",
+        "each row is one count of {count:.4g} from the last: written when the count changes, not evenly; interpolated "
+        "at {rate:.6g} Hz between the boundaries of the counts, less than half a count off",
+    )
     PACKETS = (
         "packets",
         "rows came in {packets} packets of about {rows:.0f}, each with one time stamp; uniform sampling at {rate:.6g} "
