@@ -29,6 +29,7 @@ MOST_AMPLITUDES_LISTED = 5
 def tables_of(found: Identification, *, whole: bool = False) -> str:
     """Return the tables of modes, quality, channels and rejected poles: the rows that fit a screen, or the whole."""
     parts = []
+    varying = [(mode, each) for mode, each in enumerate(found.amplitude_dependence, 1) if each.varies]
     if len(found.modes):
         quality = {
             "mode": [str(i + 1) for i in range(len(found.modes))],
@@ -36,10 +37,13 @@ def tables_of(found: Identification, *, whole: bool = False) -> str:
             "disagreement of halves [sd]": [f"{value:.1f}" for value in found.halves],
             "residual / noise": [f"{value:.3g}" for value in found.loudness],
         }
-        parts += [str(found.modes), text_table(quality, widest=TERMINAL)]
+        held_at = [
+            f"mode {mode}: at an amplitude of {each.holds_at:.3g} in {named(each.channel)}; others are below"
+            for mode, each in varying
+        ]
+        parts += ["\n".join([str(found.modes), *held_at]), text_table(quality, widest=TERMINAL)]
     else:
         parts.append("no mode")
-    varying = [(mode, each) for mode, each in enumerate(found.amplitude_dependence, 1) if each.varies]
     parts += [_of_amplitudes(mode, each, whole=whole) for mode, each in varying]
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
