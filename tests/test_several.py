@@ -223,6 +223,14 @@ class TestSeveralInOneFile:
         scipy.io.savemat(tmp_path / "r.mat", {"t": t, "front": {"z": np.sin(t)}, "rear": {"z": np.cos(t)}})
         assert read_recording(tmp_path / "r.mat").tests == ()
 
+    @pytest.mark.parametrize(("rows", "tests"), [(60, ("free", "damped")), (95, ())])
+    def test_tables_of_one_unit_beside_each_other(self, rows: int, tests: tuple[str, ...], tmp_path: Path) -> None:
+        """Each with its own time from 0 on; two loggers of one test end together."""
+        lines = [f"{k / 20},{k % 7},,{k / 20 + 0.003},{k % 5}" for k in range(rows)]
+        lines += [f"{k / 20},{k % 7},,," for k in range(rows, 100)]
+        (tmp_path / "r.csv").write_text("\n".join(["Timed,free (m),,Timed,damped (m)", *lines, ""]))
+        assert read_recording(tmp_path / "r.csv").tests == tests
+
     def test_numbered_runs_beside_each_other(self, tmp_path: Path) -> None:
         head = "Run 1: Time (s)\tRun 1: z (m)\tRun 2: Time (s)\tRun 2: z (m)\n"
         rows = "".join(f"{k / 8}\t{k * k}\t{k / 8}\t{-k}\n" for k in range(20))

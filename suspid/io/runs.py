@@ -20,6 +20,8 @@ LAST_NUMBER = re.compile(r"(.*?)[\W_]*(\d+)")
 # Clocks of one pace that end this far apart, in the length of the longest and in its steps, are those of several tests;
 # sensors of one test end together. Clocks whose mean steps differ by more than this share are not of one pace.
 ENDS_APART, STEPS_APART, PACES_APART = 0.02, 10, 0.2
+# So far the ends of tests are apart whose names have no numbers: of two loggers, one may be stopped later.
+NAMED_APART = 0.1
 
 
 def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
@@ -59,28 +61,34 @@ def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
     """Return the test of each channel by its number, where each has a clock of its own; empty if there is but one test.
 
     Channels of different tests have the same names but for the number, and their clocks run at one pace, from the same
-    start, and end at different times.
+    start, and end at different times. So are single channels of one unit, by their names, if the ends are far apart.
 
     Examples
     --------
-    >>> def channel(name, rows):
-    ...     return RawChannel(name=name, unit="", timepts=np.arange(rows) / 20, values=np.ones(rows), rate=None)
+    >>> def channel(name, rows, unit=""):
+    ...     return RawChannel(name=name, unit=unit, timepts=np.arange(rows) / 20, values=np.ones(rows), rate=None)
     >>> runs_by_clock([channel("S1", 900), channel("S2", 500)])
     {'S1': '1', 'S2': '2'}
     >>> runs_by_clock([channel("S1", 900), channel("S2", 899)]), runs_by_clock([channel("seat", 900)])
     ({}, {})
+    >>> runs_by_clock([channel("free", 900, "m"), channel("damped", 500, "m")])
+    {'free': 'free', 'damped': 'damped'}
+    >>> runs_by_clock([channel("free", 900, "m"), channel("damped", 500, "V")])
+    {}
     """
     found = {channel.name: LAST_NUMBER.fullmatch(bare_name(channel.name)) for channel in channels}
     of: dict[str, str] = {}
     stems: dict[str, set[str]] = {}
     clocks: dict[str, set[int]] = {}
+    named = any(match is None for match in found.values())
+    if named and (len({channel.unit for channel in channels}) > 1 or not channels[0].unit):
+        return {}
     for channel in channels:
         match = found[channel.name]
-        if match is None:
-            return {}
-        of[channel.name] = match[2]
-        stems.setdefault(match[2], set()).add(match[1])
-        clocks.setdefault(match[2], set()).add(id(channel.timepts))
+        stem, test = ("", bare_name(channel.name)) if named or match is None else (match[1], match[2])
+        of[channel.name] = test
+        stems.setdefault(test, set()).add(stem)
+        clocks.setdefault(test, set()).add(id(channel.timepts))
     own = all(len(some) == 1 for some in clocks.values()) and len(set().union(*clocks.values())) == len(clocks)
     if len(clocks) < 2 or not own or len(set(map(frozenset, stems.values()))) > 1:
         return {}
@@ -89,7 +97,8 @@ def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
         return {}
     starts, ends = (np.array([each[k] for each in stamps]) for k in (0, -1))
     steps = (ends - starts) / np.array([each.size - 1 for each in stamps])
-    apart = max(ENDS_APART * float(np.max(ends - starts)), STEPS_APART * float(np.max(steps)))
+    least = NAMED_APART if named else ENDS_APART
+    apart = max(least * float(np.max(ends - starts)), STEPS_APART * float(np.max(steps)))
     together = np.ptp(starts) < apart and np.ptp(steps) < PACES_APART * np.max(steps)
     return of if together and np.ptp(ends) > apart else {}
 
