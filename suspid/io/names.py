@@ -19,6 +19,8 @@ PER_SECOND = {
     **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds", "millisekunden"), 1e3),
     **dict.fromkeys(("us", "usec", "µs", "μs", "micros", "microsecond", "microseconds"), 1e6),
     **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), 1e9),
+    # Ticks of Windows.
+    "100ns": 1e7,
     **dict.fromkeys(("min", "minute", "minutes", "minuten"), 1 / 60),
     **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 1 / 3600),
     **dict.fromkeys(("day", "days"), 1 / 86400),

@@ -27,6 +27,7 @@ from suspid.io.text.rows import Rows, find_rows
 from suspid.io.text.step_columns import step_clock
 from suspid.io.text.stray_blanks import with_tabs
 from suspid.io.text.thousands import refuse_thousands
+from suspid.io.text.twincat import with_scope_names
 from suspid.units import RealArray
 from suspid.values import listed
 from suspid.wording import Argument
@@ -60,9 +61,10 @@ def read_delimited(path: Path) -> Table:
     ends_within = is_open(content)
     text, left_out = decoded(content)
     del content
+    text, of_scope = with_scope_names(text)
     text, of_cassy, whole = with_cassy_names(text)
     text, notes = without_notes(text, within=HEAD_BYTES)
-    left_out |= {**of_cassy, **notes}
+    left_out |= {**of_scope, **of_cassy, **notes}
     text = with_coordinates(with_tabs(with_point_stamps(text), within=HEAD_BYTES), within=HEAD_BYTES)
     unnamed = text
     text = with_names_above(unnamed, within=HEAD_BYTES)
