@@ -60,6 +60,17 @@ class TestPairedCells:
             f"time[1].{name}[{k}]" for name in ("front", "rear") for k in (1, 2)
         )
 
+    def test_the_name_of_the_time_states_its_unit(self, tmp_path: Path) -> None:
+        stamps = cells(*(1e3 * each for each in times(90, 80).ravel()))
+        scipy.io.savemat(tmp_path / "t.mat", {"Time_ms": stamps, "Y": matrices(90, 80)})
+        found = read_recording(tmp_path / "t.mat")
+        np.testing.assert_allclose(found["Y[2].data[1]"].timepts, 3 + np.arange(80) / 100, atol=1e-9)
+
+    def test_times_as_long_as_there_are_channels_are_none(self) -> None:
+        wide = Variable(shape=(600, 2), read=lambda: np.zeros((600, 2)))
+        group = {"run_time": numbered(variable(2), variable(2)), "Y": numbered(wide, wide)}
+        assert with_paired_cells(group) == group
+
     def test_what_fits_two_times_stays_as_it_is(self) -> None:
         one = variable(90)
         group = {"t_1": numbered(one, one), "t_2": numbered(one, one), "y": numbered(one, one)}

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from suspid.identification.ascent import maximize
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of, synthesize
-from suspid.identification.likelihood import DecayFit, evaluate, reweighed
+from suspid.identification.likelihood import DecayFit, evaluate, evaluate_samples, reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 
@@ -327,6 +327,17 @@ def covariance_of(fit: DecayFit, values: Real, inflation: Real) -> tuple[Complex
     assert fit.count == values.shape[1]
     joint = joint_covariance([fit], np.array([0, 1, 2]), inflation)
     return joint.shapes, joint.covariance
+
+
+@BOTH
+@pytest.mark.parametrize("by_samples", [False, True])
+def test_inverses_are_those_of_the_products_and_of_the_information(pairs: Complex, by_samples: bool) -> None:
+    values, poles, noise = clean(pairs), poles_of(pairs, REAL), WhiteNoise(least=STD**2)
+    fit = evaluate_samples(values, poles, noise) if by_samples else evaluate(blocks_of(values), poles, noise)
+    assert fit is not None
+    np.testing.assert_allclose(fit.inverse_gram @ fit.gram, np.eye(len(poles)), atol=1e-8)
+    unbiased = fit.information * fit.freedom / fit.count
+    np.testing.assert_allclose(fit.of_poles @ unbiased, np.eye(poles.free), atol=1e-8)
 
 
 @BOTH

@@ -78,6 +78,30 @@ class TestOthersAreLeftAlone:
         time = np.cumsum(np.random.default_rng(1).exponential(0.01, 4000))
         assert self.left(replace(written(), timepts=time, values=swing(time)))
 
+    def test_a_switch(self) -> None:
+        time = np.cumsum(np.random.default_rng(1).exponential(0.3, 1500))
+        assert self.left(replace(written(), timepts=time, values=np.arange(1500.0) % 2))
+
+    def test_counts_of_which_many_are_lost_or_repeated(self) -> None:
+        assert self.left(written(lost=400))
+        one, again = written(), np.arange(0, written().values.size, 10)
+        times, values = (np.insert(each, again, each[again]) for each in (one.timepts, one.values))
+        assert self.left(replace(one, timepts=times, values=values))
+
+    def test_steps_that_are_no_counts(self) -> None:
+        one = written()
+        steps = np.random.default_rng(1).uniform(0.3, 3.0, one.values.size) * np.sign(np.diff(one.values, prepend=9.0))
+        assert self.left(replace(one, values=np.cumsum(steps)))
+
+    def test_a_ramp_whose_clock_jitters(self) -> None:
+        time = (np.arange(400) + np.random.default_rng(1).uniform(-0.15, 0.15, 400)) / 200
+        assert self.left(replace(written(), timepts=time, values=np.arange(400.0)))
+
+    def test_rows_an_hour_after_the_motion(self) -> None:
+        one = written()
+        times, values = np.append(one.timepts, 3600.0), np.append(one.values, one.values[-1] + 0.0026)
+        assert self.left(replace(one, timepts=times, values=values))
+
     def test_rows_that_are_too_few_or_not_in_order(self) -> None:
         short = written()
         assert self.left(replace(short, timepts=short.timepts[:99], values=short.values[:99]))
@@ -87,6 +111,47 @@ class TestOthersAreLeftAlone:
         one = written()
         assert self.left(one, replace(one, name="other"))
         assert self.left(replace(one, rate=100.0))
+
+
+def test_stamps_in_ms_and_a_heartbeat_leave_the_motion() -> None:
+    for tick, within in ((1e-6, 0.1), (1e-3, 0.5)):
+        one = written(tick=tick)
+        beats = np.searchsorted(one.timepts, np.arange(1.0, 25.0))
+        beats = beats[beats < one.values.size]
+        times, values = np.insert(one.timepts, beats, 0.0), np.insert(one.values, beats, 0.0)
+        at = beats + np.arange(beats.size)
+        times[at], values[at] = times[at - 1], values[at - 1]
+        (even,), _ = evenly([replace(one, timepts=times, values=values)])
+        late = even.timepts > 2
+        off = even.values / 0.0026 - swing(even.timepts)
+        assert np.sqrt(np.mean(off[late] ** 2)) < within
+
+
+def test_a_swing_that_hardly_dies_is_read() -> None:
+    fine = np.arange(0, 8, 2e-5)
+    counts = np.round(180 * np.exp(-0.008 * fine) * np.cos(8 * fine))
+    rows = np.flatnonzero(np.diff(counts, prepend=counts[0]))
+    channel = RawChannel(name="arm", unit="", timepts=fine[rows], values=counts[rows], rate=None)
+    (even,), _ = evenly([channel])
+    off = even.values - 180 * np.exp(-0.008 * even.timepts) * np.cos(8 * even.timepts)
+    assert np.max(np.abs(off)) < 0.05
+
+
+def test_in_a_rest_nothing_swings_on() -> None:
+    """Two swings with a rest of ten seconds between them: the count is held."""
+    first, rest = written(until=3.0), 10.0
+    later = written(until=12.0)
+    times = np.concatenate([first.timepts, 3.0 + rest + later.timepts])
+    start = first.values[-1] + 0.0026
+    values = np.concatenate([first.values, start + later.values - later.values[0]])
+    (even,), _ = evenly([replace(first, timepts=times, values=values)])
+    held = (even.timepts > first.timepts[-1]) & (even.timepts < 3.0 + rest)
+    assert np.all(np.abs(even.values[held] - first.values[-1]) < 0.51 * 0.0026)
+
+
+def test_a_rate_that_is_given_replaces_the_stamps() -> None:
+    found = clean(Recording(title="swing", channels=(written(),)), fs=100.0)
+    assert not [finding for finding in found.findings if finding.kind is Defect.ON_CHANGE]
 
 
 def test_cleaning_says_so() -> None:

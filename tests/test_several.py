@@ -208,6 +208,18 @@ class TestSeveralInOneFile:
         assert "test 'input':" in said.stdout
         assert "no channel moves: 'step.input.signal': constant at 1" in said.stdout
 
+    def test_what_is_repaired_in_each_is_said(self, tmp_path: Path) -> None:
+        times = np.arange(800) / 200
+        first, second = (np.exp(-times) * np.sin(wn * times) for wn in (30, 35))
+        second[300] = -9999.0
+        tests = {"a": {"time": times, "z": first}, "b": {"time": times[:-90], "z": second[:-90]}}
+        scipy.io.savemat(tmp_path / "s.mat", tests)
+        said = CliRunner().invoke(main, ["identify", str(tmp_path / "s.mat")])
+        assert said.stdout.count("1 mode found") == 2
+        assert "sentinel, channel 'b.z'" in said.stderr
+        refused = CliRunner().invoke(main, ["identify", str(tmp_path / "s.mat"), "--json", str(tmp_path / "m.json")])
+        assert "such as --test a, or join them" in refused.stderr
+
     def test_the_command_prints_each(self, tmp_path: Path) -> None:
         path = two_in_one(tmp_path, CAR, OTHER)
         done = run("identify", path)

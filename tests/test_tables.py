@@ -763,6 +763,15 @@ class TestStepsInPlaceOfTheTime:
         said = "# X Y time_from_previous_sample(ms)\n# units set to: m/s^2\n# gravity filtered out\n"
         assert read(tmp_path, self.text(" ", header=said)).names == ("X", "Y")
 
+    @pytest.mark.parametrize(
+        "said",
+        ["# time,date,author", "# Elapsed time,operator,shift", "# dt,is,constant", "# Date, Start time, Operator"],
+    )
+    def test_settings_with_a_word_for_time_are_no_header(self, tmp_path: Path, said: str) -> None:
+        rows = "".join(f"{np.cos(k / 9):.3f},{np.sin(k / 9):.3f},{np.cos(k / 7):.3f}\n" for k in range(60))
+        (tmp_path / "a.csv").write_text(f"{said}\n# seat,tire,hub\n{rows}", encoding="utf-8")
+        assert read_recording(tmp_path / "a.csv", fs=100.0).names == ("seat", "tire", "hub")
+
     def test_a_given_rate_replaces_them(self, tmp_path: Path) -> None:
         (tmp_path / "a.txt").write_text(self.text(" "), encoding="utf-8")
         given = read_recording(tmp_path / "a.txt", fs=50.0)

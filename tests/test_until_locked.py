@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from suspid import Settings, analyse, as_record, identify
 from suspid.analysis.until_locked import _stops, after_lock, until_locked
 from suspid.analysis.used import Used
+from suspid.model import ModalSet
 from suspid.records import as_response, cut
 from suspid.signals import as_signal
 from suspid.words import Level, Note, Remark
@@ -79,22 +80,51 @@ class TestAfterLock:
     def note(self, rig: tuple[Real, Real, Real], start: float) -> tuple[Remark, ...]:
         time, position, _ = rig
         record = as_response(time, position, ["x1 [m]", "x2 [m]"])
-        return after_lock(record, Used(record=cut(record, start=start), decays=(), used=(), notes=()))
+        modes = ModalSet(
+            poles=np.array([-1 + 30j]), shapes=np.array([[1.0 + 0j], [1.0]]), channels=("x1 [m]", "x2 [m]")
+        )
+        return after_lock(record, Used(record=cut(record, start=start), decays=(), used=(), notes=()), modes)
 
     def test_a_stretch_behind_it_is_said_to_be_of_both_as_one(self, rig: tuple[Real, Real, Real]) -> None:
-        (note,) = self.note(rig, 1.8)
+        (note,) = self.note(rig, 1.81)
         assert note.code is Note.AFTER_LOCK
         assert float(str(note.numbers["time"])) == pytest.approx(1.8, abs=0.05)
 
     def test_one_that_begins_before_it_is_not(self, rig: tuple[Real, Real, Real]) -> None:
         assert self.note(rig, 0.5) == ()
+        assert self.note(rig, 1.6) == ()
+
+    def test_a_linear_decay_whose_fast_mode_died_early_is_not(self, tmp_path: Path) -> None:
+        time = np.arange(4000) / 200
+        low = np.exp(-0.08 * time) * np.cos(8 * time)
+        apart = 0.5 * np.exp(-5.4 * time) * np.cos(44.7 * time)
+        values = np.stack([low + apart, low - apart]) + 1e-3 * np.random.default_rng(5).standard_normal((2, time.size))
+        found = analyse(written(tmp_path / "l.csv", time, values, "time [s],hub,frame"))
+        assert len(found.modes) == 2
+        assert found.verdict.level is Level.SOUND
+
+    def test_without_modes_nothing_is_said(self, rig: tuple[Real, Real, Real]) -> None:
+        time, position, _ = rig
+        record = as_response(time, position, ["x1 [m]", "x2 [m]"])
+        none = ModalSet(poles=np.empty(0, complex), shapes=np.zeros((2, 0), complex), channels=("x1 [m]", "x2 [m]"))
+        late = Used(record=cut(record, start=1.9), decays=(), used=(), notes=())
+        assert after_lock(record, late, none) == ()
+
+    def test_a_channel_that_rests_alone_is_not(self) -> None:
+        time = np.arange(2000) / 500
+        swing, other = np.sin(20 * time), np.where(time < 1.5, np.sin(33 * time), np.sin(33 * 1.5))
+        values = np.stack([swing, other]) + 1e-3 * np.random.default_rng(2).standard_normal((2, time.size))
+        record = as_response(time, values, ["a", "b"])
+        modes = ModalSet(poles=np.array([-0.1 + 20j]), shapes=np.array([[1.0 + 0j], [0.1]]), channels=("a", "b"))
+        assert after_lock(record, Used(record=cut(record, start=2.0), decays=(), used=(), notes=()), modes) == ()
 
     def test_two_that_never_move_against_each_other_are_not(self) -> None:
         time = np.arange(2000) / 500
         low = np.exp(-0.4 * time) * np.cos(9 * time)
         values = np.stack([low, 1.2 * low]) + 1e-3 * np.random.default_rng(2).standard_normal((2, time.size))
         record = as_response(time, values, ["a", "b"])
-        assert after_lock(record, Used(record=cut(record, start=0.4), decays=(), used=(), notes=())) == ()
+        modes = ModalSet(poles=np.array([-0.4 + 9j]), shapes=np.array([[1.0 + 0j], [1.0]]), channels=("a", "b"))
+        assert after_lock(record, Used(record=cut(record, start=0.4), decays=(), used=(), notes=()), modes) == ()
 
     def test_it_calls_for_care(self) -> None:
         time = np.arange(400) / 100

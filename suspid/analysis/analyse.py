@@ -138,7 +138,7 @@ def analyse(
                     stretch = replace(decay, notes=(Remark(Note.SOUGHT_WITHIN), *decay.notes))
     notes = [*opened.notes, *stretch.notes]
     if repeats is None and settings.decay == "auto" and part is None:
-        notes += [*larger_elsewhere(record, stretch), *after_lock(record, stretch)]
+        notes += [*larger_elsewhere(record, stretch), *after_lock(record, stretch, identification.modes)]
     springs = Springs()
     if car is not None:
         begin(STEPS[3])

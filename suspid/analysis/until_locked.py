@@ -15,6 +15,7 @@ from suspid.analysis.support import questioned
 from suspid.analysis.used import Used
 from suspid.decays import at_rest_from, finest, releases_before, rest_of
 from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.model import ModalSet
 from suspid.records import of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 AS_ONE_AFTER = 0.97
 # Channels of which each pair is compared, at most: the first ones.
 MOST_COMPARED = 6
-# A stretch of which this share comes after a lock is of what is locked.
-BEHIND_LOCK = 0.9
+# A quarter of a period [rad].
+QUARTER_PERIOD = 0.5 * np.pi
 # What stops moves by this many times as much before as its steps.
 MOVED_BEFORE = 30.0
 
@@ -62,8 +63,11 @@ def until_locked(
     return None
 
 
-def after_lock(record: control.TimeResponseData, stretch: Used) -> tuple[Remark, ...]:
+def after_lock(record: control.TimeResponseData, stretch: Used, modes: ModalSet) -> tuple[Remark, ...]:
     """Return the note that two channels of a stretch move as one, and moved against each other before it.
+
+    The stretch begins where they do, to a quarter of a period of the fastest of its modes: what is explained from
+    earlier on says itself how the channels move.
 
     Examples
     --------
@@ -74,14 +78,15 @@ def after_lock(record: control.TimeResponseData, stretch: Used) -> tuple[Remark,
     >>> noise = 1e-3 * np.random.default_rng(1).standard_normal((2, 3000))
     >>> record = as_response(time, np.stack([low, low + apart]) + noise, ["hub", "frame"])
     >>> used = Used(record=cut(record, start=1.25), decays=(), used=(), notes=())
-    >>> [str(note) for note in after_lock(record, used)]
+    >>> modes = ModalSet(poles=np.array([-0.1 + 20j]), shapes=np.ones((2, 1), complex), channels=("hub", "frame"))
+    >>> [str(note) for note in after_lock(record, used, modes)]
     ["'hub' and 'frame' move as one from 1.2 s on, and did not before"]
     """
     part = as_signal(stretch.record)
     signal = as_signal(of_channels(record, part.channels))
     last, names = min(_stops(signal))
-    locked, stop = _time(signal, last), float(part.timepts[-1])
-    if len(names) < 2 or stop - locked < BEHIND_LOCK * (stop - part.start):
+    locked = _time(signal, last)
+    if len(names) < 2 or not len(modes) or part.start < locked - QUARTER_PERIOD / float(np.max(modes.wn)):
         return ()
     return (Remark(Note.AFTER_LOCK, {"first": names[0], "second": names[1], "time": locked}),)
 

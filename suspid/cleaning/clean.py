@@ -82,7 +82,7 @@ def clean(
     if not chosen:
         raise RecordError("the recording contains no channel")
     by_name = channels is not None
-    chosen, of_changes = evenly(chosen)
+    chosen, of_changes = evenly(chosen) if fs is None else (chosen, [])
     chosen, findings = alive(chosen, by_name=by_name)
     findings = [*of_changes, *findings]
     kept, further = one_clock([placed(group, fs) for group in by_clock(chosen)], by_name=by_name)

@@ -4,22 +4,39 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.nearest import mean_step
 from suspid.recordings import RawChannel
+from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import Defect, Number
 
-# Rows from which on an encoder is told from a sensor whose samples change by chance.
-FEWEST_COUNTS = 100
-# Every row is one count from the last, but for this share: counts that were lost. Counts are whole to a share of one.
-LOST, WHOLE = 0.01, 0.02
+# Rows and levels from which on an encoder is told from a sensor whose samples change by chance, and from a switch.
+FEWEST_COUNTS, FEWEST_LEVELS = 100, 10
+# Nearly every row is one count from the last: this share may be further away, where counts were lost, and this share
+# may repeat it, as a heartbeat does. Counts are whole to a share of one: angles are written with few digits.
+LOST, AGAIN, WHOLE = 0.01, 0.05, 0.15
 # Rows come at the pace of the motion: the longest twentieth of the steps is this many times the shortest, at least.
-UNEVEN = 4.0
+UNEVEN = 2.0
+# Counts that pass from one sample of the uniform clock to the next, on average: those within have errors of their own.
+COUNTS_A_SAMPLE = 4
+# Samples of the uniform clock for each row, at most: rests that are much longer than the motion are cut off first.
+MOST_FOR_A_ROW = 10
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Passed:
+    """When an angle passes the boundaries between counts."""
+
+    count: float
+    timepts: RealArray  # (boundary,)
+    angles: RealArray  # (boundary,)
+    after: RealArray  # (boundary,): the count after each
+    step: float  # between the samples of a uniform clock [s]
 
 
 def evenly(channels: Sequence[RawChannel]) -> tuple[list[RawChannel], list[Finding]]:
@@ -42,43 +59,49 @@ def evenly(channels: Sequence[RawChannel]) -> tuple[list[RawChannel], list[Findi
     shared = Counter(id(channel.timepts) for channel in channels)
     out, findings = [], []
     for channel in channels:
-        count = None if shared[id(channel.timepts)] > 1 or channel.rate is not None else _count(channel)
-        if count is None:
+        passed = None if shared[id(channel.timepts)] > 1 or channel.rate is not None else _passed(channel)
+        if passed is None:
             out.append(channel)
             continue
-        even = _evenly(channel, count)
-        numbers: dict[str, Number] = {"count": count, "rate": 1 / float(even.timepts[1] - even.timepts[0])}
+        numbers: dict[str, Number] = {"count": passed.count, "rate": 1 / passed.step}
         findings.append(found(Defect.ON_CHANGE, channel.timepts, channel.values.size, numbers, channel=channel.name))
-        out.append(even)
+        out.append(_evenly(channel, passed))
     return out, findings
 
 
-def _count(channel: RawChannel) -> float | None:
-    """Return what a row is from the next where each is one count on or back, and rows come unevenly; else None."""
+def _passed(channel: RawChannel) -> _Passed | None:
+    """Return the boundaries that a channel passes where each row is one count on or back, and rows come unevenly."""
     times, values = channel.timepts, channel.values
-    if values.size < FEWEST_COUNTS or not (np.all(np.isfinite(values)) and np.all(np.diff(times) > 0)):
+    if values.size < FEWEST_COUNTS or not (np.all(np.isfinite(values)) and np.all(np.diff(times) >= 0)):
         return None
-    changes = np.abs(np.diff(values))
-    count = float(np.median(changes))
-    if not count > 0 or np.min(changes) < (1 - WHOLE) * count:
+    changes = np.diff(values)
+    moves = np.flatnonzero(changes)
+    if moves.size < (1 - AGAIN) * changes.size or np.unique(values).size < FEWEST_LEVELS:
         return None
-    counts = changes / count
-    lost = counts > 1 + WHOLE
-    short, long = np.quantile(np.diff(times), (0.05, 0.95))
-    whole = np.max(np.abs(counts - np.round(counts))) < WHOLE
-    return count if whole and np.mean(lost) <= LOST and long > UNEVEN * short else None
+    count = float(np.median(np.abs(changes[moves])))
+    counts = np.abs(changes[moves]) / count
+    if np.max(np.abs(counts - np.maximum(np.round(counts), 1.0))) > WHOLE or np.mean(counts > 1 + WHOLE) > LOST:
+        return None
+    # Several counts may pass in one tick of the clock: their mean does.
+    at, first = np.unique(times[moves + 1], return_index=True)
+    several = np.diff(np.append(first, moves.size))
+    passed = np.add.reduceat(0.5 * (values[moves + 1] + values[moves]), first) / several
+    short, long = np.quantile(np.diff(at) / several[1:], (0.05, 0.95))
+    step = COUNTS_A_SAMPLE * mean_step(np.diff(at)) * at.size / moves.size
+    if not long > UNEVEN * short or not 0 < at[-1] - at[0] < MOST_FOR_A_ROW * values.size * step:
+        return None
+    return _Passed(count=count, timepts=at, angles=passed, after=values[moves + 1][first + several - 1], step=step)
 
 
-def _evenly(channel: RawChannel, count: float) -> RawChannel:
+def _evenly(channel: RawChannel, passed: _Passed) -> RawChannel:
     """Return a channel on a uniform clock: it passes the boundaries of its counts when its rows say."""
-    from scipy.interpolate import Akima1DInterpolator
+    from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
-    times, values = channel.timepts, channel.values
-    step = mean_step(np.diff(times))
-    even = times[1] + step * np.arange(int((times[-1] - times[1]) / step) + 1)
-    passed = 0.5 * (values[1:] + values[:-1])
-    held = values[np.searchsorted(times, even, side="right") - 1]
-    between = np.asarray(Akima1DInterpolator(times[1:], passed, method="makima")(even))
-    return replace(
-        channel, timepts=frozen_real(even), values=frozen_real(np.clip(between, held - count / 2, held + count / 2))
-    )
+    at = passed.timepts
+    even = at[0] + passed.step * np.arange(int((at[-1] - at[0]) / passed.step) + 1)
+    held = passed.after[np.searchsorted(at, even, side="right") - 1]
+    between, flat = CubicSpline(at, passed.angles)(even), Akima1DInterpolator(at, passed.angles, method="makima")(even)
+    # Turns are round. Where nothing counts for long, a spline swings on that is no motion.
+    between = np.where(np.abs(between - flat) < passed.count / 2, between, flat)
+    within = np.clip(between, held - passed.count / 2, held + passed.count / 2)
+    return replace(channel, timepts=frozen_real(even), values=frozen_real(within))

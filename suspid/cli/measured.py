@@ -85,9 +85,10 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
                 found = analyse(files[0], settings=settings, progress=step)
         tests = _other_tests(found)
         if tests and (plot or json_file):
+            used = shlex.quote(_used_test(found))
             raise InputError(
-                f"contains {len(tests) + 1} tests: choose one with --test, such as --test {shlex.quote(tests[0])}, or "
-                f"join them with --test all"
+                f"contains {len(tests) + 1} tests: choose one with --test, such as --test {used}, or join them with "
+                f"--test all"
             ).about(printable(str(files[0])))
         if tests:
             found = replace(found, notes=tuple(note for note in found.notes if note.code is not Note.ONE_OF_TESTS))
@@ -105,14 +106,16 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
 
 def _say_test(file: Path, test: str, settings: Settings) -> None:
     """Say what is found in another test of a file as soon as it is: the next one may take long, or be refused."""
-    with said_warnings(), progress(*STEPS[:3]) as step:
+    with said_warnings() as said, progress(*STEPS[:3]) as step:
         try:
             found = analyse(file, settings=replace(settings, test=test), progress=step)
         except SuspidError as refusal:
-            said = f"test {test!r}: {refusal}"
+            words = f"test {test!r}: {refusal}"
         else:
-            said = _in_words([file], found)
-    say(f"\n{said}")
+            words = _in_words([file], found)
+            notes = said_of(found, most_left_out=0, most_findings=MOST_FINDINGS)
+            said += [note for note in notes if not note.startswith("in the file: ")]
+    say(f"\n{words}")
 
 
 def _other_tests(found: Analysis) -> list[str]:
@@ -122,6 +125,11 @@ def _other_tests(found: Analysis) -> list[str]:
         if isinstance(names, tuple) and names:
             return [str(name) for name in names if name != note.numbers["used"]]
     return []
+
+
+def _used_test(found: Analysis) -> str:
+    """Return the test that was used because none was chosen."""
+    return next((str(note.numbers["used"]) for note in found.notes if note.code is Note.ONE_OF_TESTS), "")
 
 
 def _in_words(files: Sequence[Path], found: Analysis) -> str:

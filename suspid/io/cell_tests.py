@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 from suspid.io.labels import Group, Value, Variable
-from suspid.io.names import may_be_time
+from suspid.io.names import PER_SECOND, may_be_time, split_unit
 
 # What the vector of time of a test is called, and its only array.
 TIME_OF_CELL, DATA_OF_CELL = "time", "data"
@@ -35,10 +37,11 @@ def with_paired_cells(group: Group) -> Group:
     paired = {name for time, names in channels.items() if names for name in (time, *names)}
     tests: dict[str, Value] = {}
     for time, names in channels.items():
-        for k, stamps in enumerate(times[time] if names else []):
-            alone = len(names) == 1
-            held = {DATA_OF_CELL if alone else name: cells[name][k] for name in names}
-            tests[f"{names[0] if alone else time}[{k + 1}]"] = {TIME_OF_CELL: stamps, **held}
+        called = names[0] if len(names) == 1 else time
+        for k, each in enumerate(times[time] if names else []):
+            stamps = replace(each, unit=each.unit or _unit_in(time))
+            held = {DATA_OF_CELL if len(names) == 1 else name: cells[name][k] for name in names}
+            tests[f"{called}[{k + 1}]"] = {TIME_OF_CELL: stamps, **held}
     return {name: value for name, value in group.items() if name not in paired} | tests
 
 
@@ -54,7 +57,19 @@ def _cells(value: Value) -> list[Variable]:
 
 
 def _fit(cells: list[Variable], stamps: list[Variable]) -> bool:
-    """Return whether each of some arrays has a side as long as the vector of time of the same number."""
+    """Return whether the longer side of each array is as long as the vector of time of the same number."""
     return len(cells) == len(stamps) and all(
-        one.size > 1 and time.size in one.shape for one, time in zip(cells, stamps, strict=True)
+        time.size == max(one.shape) for one, time in zip(cells, stamps, strict=True)
     )
+
+
+def _unit_in(name: str) -> str:
+    """Return the unit that the name of a time ends with, as ``Time_ms``; nothing if none.
+
+    Examples
+    --------
+    >>> _unit_in("Time_ms"), _unit_in("t [us]"), _unit_in("Time_id")
+    ('ms', 'us', '')
+    """
+    last = re.split(r"[\W_]+", name.lower())[-1]
+    return split_unit(name)[1] or (last if last in PER_SECOND else "")

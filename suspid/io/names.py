@@ -307,6 +307,17 @@ def is_step(name: str) -> bool:
     return split_unit(name)[0] in STEP_NAMES
 
 
+def is_since_last(name: str) -> bool:
+    """Whether a column of that name holds the time since the sample before.
+
+    Examples
+    --------
+    >>> [is_since_last(name) for name in ("time_from_previous_sample(ms)", "time (ms)", "previous runs")]
+    [True, False, False]
+    """
+    return may_be_time(name) and "prev" in split_unit(name)[0]
+
+
 def is_start(name: str) -> bool:
     """Return whether a number of that name states the time of the first sample."""
     return split_unit(name)[0] in START_NAMES

@@ -293,7 +293,7 @@ class RecordCheck(Code):
         sentence(
             lambda n: (
                 f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did "
-                f"not before: friction or a stop may hold one to the other, and what is found is of both as one."
+                f"not before: friction may hold one to the other, or a mode has died; what is found is of both as one."
             )
         ),
     )

@@ -268,7 +268,8 @@ class Defect(Code):
     ON_CHANGE = (
         "written on change",
         "each row is one count of {count:.4g} from the last: written when the count changes, not evenly; interpolated "
-        "at {rate:.6g} Hz between the boundaries of the counts, less than half a count off",
+        "at {rate:.6g} Hz between the boundaries of the counts, about half a count off at most; counts that change "
+        "later on the way back, as those of gears with play, are not told",
     )
     PACKETS = (
         "packets",

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 
 from suspid.errors import RecordError
-from suspid.io.names import bracketed_unit, is_step, may_be_time, plain, stated_rate, told_apart
+from suspid.io.names import bracketed_unit, is_since_last, plain, stated_rate, told_apart
 from suspid.io.text.axis_units import axis_unit
 from suspid.io.text.beside import stated_beside
 from suspid.io.text.cells import Kind, kind_of
@@ -162,17 +162,17 @@ def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | N
         return None, None
     units = [at for at, k in enumerate(rows) if columns.are_units(above[k])]
     units = units or [at for at, k in enumerate(rows) if at and columns.are_units_mostly(above[k])]
-    # A single row holds names, whatever it looks like; of comments, one that names a time does before a later sentence.
+    # A single row holds names, whatever it looks like; of comments, one that names steps of time before a later one.
     if not units or len(rows) == 1:
-        timed = [k for k in comments if columns.may_be_named_by(above[k]) and _names_time(above[k], columns)]
-        says_none = rows[-1] in comments and not _names_time(above[rows[-1]], columns)
+        timed = [k for k in comments if columns.may_be_named_by(above[k]) and _names_steps(above[k], columns)]
+        says_none = rows[-1] in comments and not _names_steps(above[rows[-1]], columns)
         return timed[-1] if timed and says_none else rows[-1], None
     return rows[units[-1] - 1] if units[-1] else rows[1], rows[units[-1]]
 
 
-def _names_time(line: str, columns: Columns) -> bool:
-    """Whether a line has a name for a time: a unit with seconds in it, as ``m/sec^2``, is none."""
-    return any((may_be_time(cell) and "/" not in cell) or is_step(cell) for cell in columns.titles(line))
+def _names_steps(line: str, columns: Columns) -> bool:
+    """Whether a line has a name for the time since the sample before: no sentence and no list of settings does."""
+    return any(map(is_since_last, columns.titles(line)))
 
 
 def _naming(above: Sequence[str], filled: Sequence[int], columns: Columns) -> list[int]:

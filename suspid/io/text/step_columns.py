@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from suspid.io.names import PER_SECOND, STEP_NAMES, UNNAMED_COLUMN, is_time, may_be_time, split_unit
+from suspid.io.names import PER_SECOND, STEP_NAMES, UNNAMED_COLUMN, is_since_last, is_time, split_unit
 from suspid.io.tables import TimeBase
 from suspid.io.text.rows import Rows
 from suspid.io.time_units import FEW_STAMPS
@@ -46,7 +46,7 @@ def step_clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dic
 def _may_be_steps(name: str) -> bool:
     """Whether a column of that name may hold steps: it has no name, or one for a step of time."""
     stem = split_unit(name)[0]
-    return UNNAMED_COLUMN.fullmatch(name) is not None or stem in STEP_NAMES or (may_be_time(name) and "prev" in stem)
+    return UNNAMED_COLUMN.fullmatch(name) is not None or stem in STEP_NAMES or is_since_last(name)
 
 
 def _starts(cells: Sequence[str], *, named: bool) -> bool:
