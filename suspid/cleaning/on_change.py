@@ -95,13 +95,11 @@ def _passed(channel: RawChannel) -> _Passed | None:
 
 def _evenly(channel: RawChannel, passed: _Passed) -> RawChannel:
     """Return a channel on a uniform clock: it passes the boundaries of its counts when its rows say."""
-    from scipy.interpolate import Akima1DInterpolator, CubicSpline
+    from scipy.interpolate import CubicSpline
 
     at = passed.timepts
     even = at[0] + passed.step * np.arange(int((at[-1] - at[0]) / passed.step) + 1)
     held = passed.after[np.searchsorted(at, even, side="right") - 1]
-    between, flat = CubicSpline(at, passed.angles)(even), Akima1DInterpolator(at, passed.angles, method="makima")(even)
-    # Turns are round. Where nothing counts for long, a spline swings on that is no motion.
-    between = np.where(np.abs(between - flat) < passed.count / 2, between, flat)
-    within = np.clip(between, held - passed.count / 2, held + passed.count / 2)
+    # Turns are round. Where nothing counts for long, what a spline swings on is cut off.
+    within = np.clip(CubicSpline(at, passed.angles)(even), held - passed.count / 2, held + passed.count / 2)
     return replace(channel, timepts=frozen_real(even), values=frozen_real(within))
