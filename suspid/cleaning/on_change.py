@@ -24,7 +24,7 @@ LOST, AGAIN, WHOLE = 0.01, 0.05, 0.15
 UNEVEN = 2.0
 # Counts that pass from one sample of the uniform clock to the next, on average: those within have errors of their own.
 COUNTS_A_SAMPLE = 4
-# Samples of the uniform clock for each row, at most: rests that are much longer than the motion are cut off first.
+# Samples of the uniform clock for each row, at most: with a rest far longer than the motion, stamps stay irregular.
 MOST_FOR_A_ROW = 10
 
 

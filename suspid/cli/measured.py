@@ -113,6 +113,7 @@ def _say_test(file: Path, test: str, settings: Settings) -> None:
             words = f"test {test!r}: {refusal}"
         else:
             words = _in_words([file], found)
+            # What is no channel of the file was said with the first test.
             notes = said_of(found, most_left_out=0, most_findings=MOST_FINDINGS)
             said += [note for note in notes if not note.startswith("in the file: ")]
     say(f"\n{words}")
