@@ -151,6 +151,18 @@ def test_in_a_rest_nothing_swings_on() -> None:
     assert np.all(np.abs(even.values[held] - first.values[-1]) < 0.51 * 0.0026)
 
 
+@pytest.mark.parametrize("scale", [1e-310, 1e305])
+def test_numbers_at_the_ends_of_what_there_is(scale: float) -> None:
+    """Counts of any size are read; what is further off than there are rows is no count."""
+    one = written()
+    values = scale * np.round(one.values / 0.0026)
+    (even,), _ = evenly([replace(one, values=values)])
+    assert np.sqrt(np.mean((even.values / scale - swing(even.timepts)) ** 2)) < 0.1
+    values[len(values) // 2] = 1e308
+    (even,), _ = evenly([replace(one, values=values)])
+    assert (even.values is values) == (scale < 1)
+
+
 def test_a_rate_that_is_given_replaces_the_stamps() -> None:
     found = clean(Recording(title="swing", channels=(written(),)), fs=100.0)
     assert not [finding for finding in found.findings if finding.kind is Defect.ON_CHANGE]

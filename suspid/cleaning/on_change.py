@@ -11,6 +11,7 @@ import numpy as np
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.nearest import mean_step
 from suspid.recordings import RawChannel
+from suspid.stamps import SHORTEST
 from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import Defect, Number
@@ -22,6 +23,8 @@ FEWEST_COUNTS, FEWEST_LEVELS = 100, 10
 LOST, AGAIN, WHOLE = 0.01, 0.05, 0.15
 # Rows come at the pace of the motion: the longest twentieth of the steps is this many times the shortest, at least.
 UNEVEN = 2.0
+# Rows this near to each other, in samples of the uniform clock, are none of a motion.
+CLOSEST = 1e-9
 # Counts that pass from one sample of the uniform clock to the next, on average: those within have errors of their own.
 COUNTS_A_SAMPLE = 4
 # Samples of the uniform clock for each row, at most: with a rest far longer than the motion, stamps stay irregular.
@@ -69,10 +72,12 @@ def evenly(channels: Sequence[RawChannel]) -> tuple[list[RawChannel], list[Findi
     return out, findings
 
 
+# Numbers near the largest and the least that there are, are no counts.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def _passed(channel: RawChannel) -> _Passed | None:
     """Return the boundaries that a channel passes where each row is one count on or back, and rows come unevenly."""
     times, values = channel.timepts, channel.values
-    if values.size < FEWEST_COUNTS or not (np.all(np.isfinite(values)) and np.all(np.diff(times) >= 0)):
+    if values.size < FEWEST_COUNTS or not (np.all(np.isfinite([times, values])) and np.all(np.diff(times) >= 0)):
         return None
     changes = np.diff(values)
     moves = np.flatnonzero(changes)
@@ -80,15 +85,19 @@ def _passed(channel: RawChannel) -> _Passed | None:
         return None
     count = float(np.median(np.abs(changes[moves])))
     counts = np.abs(changes[moves]) / count
-    if np.max(np.abs(counts - np.maximum(np.round(counts), 1.0))) > WHOLE or np.mean(counts > 1 + WHOLE) > LOST:
+    whole = np.all(np.abs(counts - np.maximum(np.round(counts), 1.0)) <= WHOLE)
+    # More counts than rows are not lost at once.
+    if not whole or np.mean(counts > 1 + WHOLE) > LOST or np.max(counts) > values.size:
         return None
     # Several counts may pass in one tick of the clock: their mean does.
     at, first = np.unique(times[moves + 1], return_index=True)
     several = np.diff(np.append(first, moves.size))
-    passed = np.add.reduceat(0.5 * (values[moves + 1] + values[moves]), first) / several
+    passed = np.add.reduceat(0.5 * values[moves + 1] + 0.5 * values[moves], first) / several
     short, long = np.quantile(np.diff(at) / several[1:], (0.05, 0.95))
     step = COUNTS_A_SAMPLE * mean_step(np.diff(at)) * at.size / moves.size
-    if not long > UNEVEN * short or not 0 < at[-1] - at[0] < MOST_FOR_A_ROW * values.size * step:
+    if not long > UNEVEN * short or not SHORTEST < step < at[-1] - at[0] < MOST_FOR_A_ROW * values.size * step:
+        return None
+    if not np.min(np.diff(at)) > CLOSEST * step:
         return None
     return _Passed(count=count, timepts=at, angles=passed, after=values[moves + 1][first + several - 1], step=step)
 
@@ -97,9 +106,11 @@ def _evenly(channel: RawChannel, passed: _Passed) -> RawChannel:
     """Return a channel on a uniform clock: it passes the boundaries of its counts when its rows say."""
     from scipy.interpolate import CubicSpline
 
-    at = passed.timepts
-    even = at[0] + passed.step * np.arange(int((at[-1] - at[0]) / passed.step) + 1)
-    held = passed.after[np.searchsorted(at, even, side="right") - 1]
+    start, step = passed.timepts[0], passed.step
+    # In samples and counts, whatever the units are.
+    at = (passed.timepts - start) / step
+    even = np.arange(int(at[-1]) + 1)
+    held = passed.after[np.searchsorted(at, even, side="right") - 1] / passed.count
     # Turns are round. Where nothing counts for long, what a spline swings on is cut off.
-    within = np.clip(CubicSpline(at, passed.angles)(even), held - passed.count / 2, held + passed.count / 2)
-    return replace(channel, timepts=frozen_real(even), values=frozen_real(within))
+    within = np.clip(CubicSpline(at, passed.angles / passed.count)(even), held - 0.5, held + 0.5)
+    return replace(channel, timepts=frozen_real(start + step * even), values=frozen_real(passed.count * within))
