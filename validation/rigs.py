@@ -240,9 +240,10 @@ def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, R
     if kind in ("friction", IN_STRUTS):
         force = np.max(np.abs(rig.force(held, none)))
         rig = replace(rig, friction=rng.uniform(0.01, 0.1) * force * rng.uniform(0.5, 1.0, masses))
-    if kind == IN_STRUTS:
-        # Half of them in the upper strut alone, as of a guide without friction.
-        rig = replace(rig, struts=True, friction=rig.friction * [float(rng.uniform() < 0.5), *[1.0] * (masses - 1)])
+        if kind == IN_STRUTS:
+            # Half of them in the upper strut alone, as of a guide without friction.
+            rubs = [float(rng.uniform() < 0.5), *[1.0] * (masses - 1)]
+            rig = replace(rig, struts=True, friction=rig.friction * rubs)
     elif kind == "cubic":
         rig = replace(rig, cubic=rng.uniform(0.05, 0.2) / np.max(np.abs(travel)) ** 2 * np.ones(masses))
     elif kind == "bilinear":

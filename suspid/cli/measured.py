@@ -83,12 +83,11 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
         else:
             with naming(files[0]):
                 found = analyse(files[0], settings=settings, progress=step)
-        tests = _other_tests(found)
+        used, tests = _tests_of(found)
         if tests and (plot or json_file):
-            used = shlex.quote(_used_test(found))
             raise InputError(
-                f"contains {len(tests) + 1} tests: choose one with --test, such as --test {used}, or join them with "
-                f"--test all"
+                f"contains {len(tests) + 1} tests: choose one with --test, such as --test {shlex.quote(used)}, or join "
+                f"them with --test all"
             ).about(printable(str(files[0])))
         if tests:
             found = replace(found, notes=tuple(note for note in found.notes if note.code is not Note.ONE_OF_TESTS))
@@ -119,18 +118,14 @@ def _say_test(file: Path, test: str, settings: Settings) -> None:
     say(f"\n{words}")
 
 
-def _other_tests(found: Analysis) -> list[str]:
-    """Return the tests in the file besides the one that was used because none was chosen."""
+def _tests_of(found: Analysis) -> tuple[str, list[str]]:
+    """Return the test that was used because none was chosen, and the others in the file; none if it is alone."""
     for note in found.notes:
         names = note.numbers["tests"] if note.code is Note.ONE_OF_TESTS else ()
         if isinstance(names, tuple) and names:
-            return [str(name) for name in names if name != note.numbers["used"]]
-    return []
-
-
-def _used_test(found: Analysis) -> str:
-    """Return the test that was used because none was chosen."""
-    return next((str(note.numbers["used"]) for note in found.notes if note.code is Note.ONE_OF_TESTS), "")
+            used = note.numbers["used"]
+            return str(used), [str(name) for name in names if name != used]
+    return "", []
 
 
 def _in_words(files: Sequence[Path], found: Analysis) -> str:

@@ -50,6 +50,13 @@ def _channels(n: Mapping[str, Number]) -> str:
     return f"{_named(n)} {'are' if len(names) > 1 else 'is'}"
 
 
+def _as_one(n: Mapping[str, Number]) -> str:
+    """Say since when two channels move as one."""
+    return (
+        f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did not before"
+    )
+
+
 def _after_changes(n: Mapping[str, Number]) -> str:
     return f"what follows {count(int(str(n['number'])), 'change')} of {_named(n)} is used"
 
@@ -131,12 +138,7 @@ class Note(Code):
     )
     AFTER_LOCK = (
         "after lock",
-        sentence(
-            lambda n: (
-                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did "
-                f"not before"
-            )
-        ),
+        sentence(_as_one),
     )
     LARGEST_USED = (
         "largest used",
@@ -292,8 +294,8 @@ class RecordCheck(Code):
         "after lock",
         sentence(
             lambda n: (
-                f"{n['first']!r} and {n['second']!r} move as one from {moment(float(str(n['time'])))} s on, and did "
-                f"not before: friction may hold one to the other, or a mode has died; what is found is of both as one."
+                f"{_as_one(n)}: friction may hold one to the other, or a mode has died; what is found is of both as "
+                f"one."
             )
         ),
     )
