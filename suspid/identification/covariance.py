@@ -16,6 +16,8 @@ from suspid.units import ComplexArray, RealArray, Second
 
 # Least eigenvalue of a covariance matrix of unit diagonal, of the amplitudes of several decays.
 LEAST_VARIANCE = 1e-13
+# Damped over undamped frequency down to which a pole and another are told by natural frequency and damping ratio.
+LEAST_TURN = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -153,14 +155,32 @@ def widened(fit: DecayFit, larger: DecayFit, places: NDArray[np.intp]) -> RealAr
 
 
 def with_changes(modes: ModalSet, changes: Iterable[ComplexArray]) -> ModalSet:
-    """Return modes with changes of their poles, each (mode,), in the covariance: what other choices make of them."""
+    """Return modes with changes of their poles, each (mode,), in the covariance: what other choices make of them.
+
+    Natural frequency and damping ratio get the changes of both: damping that changes by much leaves the frequency what
+    it is, though the poles lie on a circle and not on its tangent.
+    """
     assert modes.covariance is not None
     covariance = modes.covariance.copy()
     for change in changes:
-        for mode, parts in enumerate(np.stack([change.real, change.imag], axis=1)):
+        along = _along(modes.poles, modes.poles + change)
+        for mode, parts in enumerate(np.stack([along.real, along.imag], axis=1)):
             at = slice(2 * mode, 2 * mode + 2)
             covariance[at, at] += np.outer(parts, parts)
     return replace(modes, covariance=covariance)
+
+
+def _along(poles: ComplexArray, others: ComplexArray) -> ComplexArray:
+    """Return changes of poles to others that have the same effect on wn and zeta to first order, (mode,).
+
+    Where one of both hardly turns they are the differences.
+    """
+    turns = np.minimum(poles.imag / np.abs(poles), others.imag / np.abs(others)) > LEAST_TURN
+    zeta = np.where(turns, -poles.real / np.abs(poles), 0.0)
+    further = np.where(turns, -others.real / np.abs(others), 0.0) - zeta
+    by_zeta = -np.abs(poles) * (1 + 1j * zeta / np.sqrt(1 - zeta**2))
+    both = poles * (np.abs(others) / np.abs(poles) - 1) + by_zeta * further
+    return np.asarray(np.where(turns, both, others - poles))
 
 
 def _parts(poles: Poles, kept: NDArray[np.intp]) -> ComplexArray:

@@ -10,6 +10,7 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.equations import followed_on, from_equations
 from suspid.identification.nonlinear.feedback import Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
@@ -31,6 +32,8 @@ WITHIN_REACH = 0.5
 # Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
 # present one, per sample: a fit rarely gains more, and each takes seconds.
 PROMISED_REACH = 1.0
+# Loss per sample by which a start from the equations of motion may be above a linear fit.
+MORE_AT_FIRST = 2.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 
@@ -48,9 +51,9 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     # Of a single mode that explains the record best, other forces than friction follow its motion as it was measured.
     if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent, record.noise):
         return None
-    best: StructureFit | None = None
-    rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
     strong = strongest(record, plain)
+    best = _by_equations(record, strong, most=most, highest=highest)
+    rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
     for start in starts_of(record, strong, bent):
         if _too_long(start.drive.theta, record.values.shape[1]):
             continue
@@ -72,6 +75,27 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         return None
     best = _with_modes(fitted(best), most)
     return best if best is not None and best.forces and best.bic < highest else None
+
+
+def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float) -> StructureFit | None:
+    """Return the structure with friction that the equations of motion lead to; None where a linear fit explains more.
+
+    Where a linear fit leaves only noise beside its modes, nothing is tried.
+    """
+    channels, count = record.values.shape
+    if not 1 < channels <= most or not leaves_more(strong, record.noise):
+        return None
+    best: StructureFit | None = None
+    for start in from_equations(record, float(strong.drive.theta[0].imag)):
+        if start.loss > strong.loss + MORE_AT_FIRST * start.residual.size:
+            break
+        if steps_of(start.theta, count, ForceKind.FRICTION) > LONGEST_RUBBED:
+            continue
+        fit = followed_on(start)
+        best = fit if best is None or fit.bic < best.bic else best
+        if explains(best, highest):
+            break
+    return best if best is not None and best.bic < strong.bic else None
 
 
 def out_of_reach(record: Record) -> bool:

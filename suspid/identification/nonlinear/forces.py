@@ -51,7 +51,7 @@ class Force:
         The displacements and speeds of the channels are (channel, sample).
         """
         d, v = self._between(motion), self._between(speed)
-        force = _mean_sign(v) if self.kind is ForceKind.FRICTION else means(size_of(self.kind, d, v))
+        force = mean_sign(v) if self.kind is ForceKind.FRICTION else means(size_of(self.kind, d, v))
         return np.asarray(force / (np.sqrt(np.mean(force**2)) + 1e-300))
 
     def _between(self, each: RealArray) -> RealArray:
@@ -94,7 +94,7 @@ def means(values: RealArray) -> RealArray:
     return np.concatenate([0.5 * (values[..., 1:] + values[..., :-1]), values[..., -1:]], axis=-1)
 
 
-def _mean_sign(speed: RealArray) -> RealArray:
+def mean_sign(speed: RealArray) -> RealArray:
     """Return the mean of the sign between samples of a speed that runs straight from one to the next."""
     before, after = speed[:-1], speed[1:]
     turns = before * after < 0

@@ -46,7 +46,7 @@ def with_friction(plain: StructureFit) -> list[StructureFit]:
         slowed = sizes * np.sum(np.abs(shapes * theta[:, :, None] ** 2), axis=1)
         gains = np.zeros((len(theta), of.theta.shape[1], len(of.forces)), complex)
         for one in range(len(theta)):
-            gains[one, :, :channels] = gains_of(theta[one], shapes[one], slowed[one])
+            gains[one, :, :channels] = gains_of(theta[one], shapes[one], np.diag(slowed[one]))
         guesses = replace(of, theta=theta, shapes=shapes, gains=gains)
         shapes, losses = _refitted(plain, guesses, slowed)
     likely = [one for one in np.argsort(losses)[:TRIED] if losses[one] < plain.loss + WORSE * plain.residual.size]
@@ -57,12 +57,12 @@ def with_friction(plain: StructureFit) -> list[StructureFit]:
 
 
 def gains_of(theta: ComplexArray, shapes: ComplexArray, slowed: RealArray) -> ComplexArray:
-    """Return the gains (pole, mass) of forces that slow each mass by an acceleration, and no other mass.
+    """Return the gains (pole, force) of forces that slow masses by accelerations (channel, force), and move none.
 
-    Exponents are (pole,), displacements (pole, channel), accelerations (channel,), per sample.
+    Exponents are (pole,), displacements (pole, channel), per sample.
     """
     rows = np.concatenate([shapes.T, (shapes * theta[:, None]).T])
-    changes = np.concatenate([np.zeros((len(slowed), len(slowed))), -np.diag(slowed)])
+    changes = np.concatenate([np.zeros_like(slowed), -slowed])
     parts = np.linalg.lstsq(np.concatenate([rows.real, -rows.imag], axis=1), changes, rcond=None)[0]
     return np.asarray(parts[: len(theta)] + 1j * parts[len(theta) :])
 

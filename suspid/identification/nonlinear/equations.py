@@ -1,0 +1,170 @@
+"""Starts of a fit with friction from the equations of motion: their coefficients are regressed on the record.
+
+Friction hides modes from a linear fit, and of those that it finds the damping. In the equations, multiplied by smooth
+weights and integrated by parts, stiffness, damping and friction are linear in what was measured.
+
+References
+----------
+Shinbrot, M. (1954). On the analysis of linear and nonlinear dynamical systems from transient-response data. NACA TN
+3288.
+Messenger, D. A. and Bortz, D. M. (2021). Weak SINDy for partial differential equations. J. Comput. Phys. 443, 110525.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.identification.nonlinear.descent import fitted
+from suspid.identification.nonlinear.feedback import Record
+from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
+from suspid.identification.nonlinear.guesses import gains_of
+from suspid.identification.nonlinear.motion import Structures
+from suspid.identification.nonlinear.structure import StructureFit, evaluated
+from suspid.units import ComplexArray, RealArray
+
+# Half the widths of the weights, in periods of the strongest pole: narrow ones show fast modes, wide ones hide noise.
+WIDTHS = (0.04, 0.08, 0.16, 0.32)
+# Samples in half a weight at least, and its power of 1 - t^2: its first derivatives are smooth.
+FEWEST_IN_HALF, POWER = 4, 6
+# Speeds are weighted over less: their signs turn at once.
+NARROWER = 3
+# Equations for each unknown, at least.
+FEWEST_EQUATIONS = 5
+# Periods of the slowest mode to which a start is fitted first, how much longer each stretch is than the one before, and
+# the steps of each fit: over more, the phase of a fast mode is lost.
+BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
+# Damping ratio in place of growth, at first: friction takes what dampers seem to give.
+LIGHT = 0.01
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Equations:
+    """Equations of motion ``x'' = -stiffness x - damping x' - slowed s + offset``, per sample, with signs ``s``."""
+
+    stiffness: RealArray  # (channel, channel)
+    damping: RealArray  # (channel, channel)
+    slowed: RealArray  # (channel, force)
+
+    @property
+    def modes(self) -> tuple[ComplexArray, ComplexArray] | None:
+        """Poles (pole,) and displacements (pole, channel) of the modes, as many as channels; None where some do not."""
+        count = len(self.stiffness)
+        upper = np.concatenate([np.zeros((count, count)), np.eye(count)], axis=1)
+        values, vectors = np.linalg.eig(np.concatenate([upper, -np.concatenate([self.stiffness, self.damping], 1)]))
+        turning = np.flatnonzero(values.imag > 0)
+        if len(turning) < count:
+            return None
+        turning = turning[np.argsort(np.abs(values[turning]))]
+        theta = values[turning]
+        light = np.where(theta.real < 0, theta.real, -LIGHT * np.abs(theta))
+        return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
+
+
+def followed_on(start: StructureFit) -> StructureFit:
+    """Return the fit near a start to the beginning of its record, followed on to the end in steps."""
+    record, fit = start.record, start
+    count = int(BEGUN * 2 * np.pi / float(np.min(start.theta.imag)))
+    while count < record.values.shape[1]:
+        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS)
+        count = int(STRETCHED * count) + 1
+    return fitted(fit.with_record(record), steps=STEPS)
+
+
+def from_equations(record: Record, turn: float) -> list[StructureFit]:
+    """Return starts from the equations of displacements with friction, as many modes as channels, the likeliest first.
+
+    There is one for each width of the weights. The strongest mode turns by about ``turn`` from sample to sample [rad].
+    """
+    period = 2 * np.pi / turn
+    forces = forces_of(ForceKind.FRICTION, len(record.values), most=6)
+    halves = dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS)
+    starts = (_start(record, forces, half) for half in halves)
+    return sorted((start for start in starts if start is not None), key=lambda start: start.loss)
+
+
+def _start(record: Record, forces: tuple[Force, ...], half: int) -> StructureFit | None:
+    signs, speeds = _signs(record.values, forces, half)
+    equations = equations_of(record.values, signs, forces, half)
+    modes = None if equations is None else equations.modes
+    if equations is None or modes is None:
+        return None
+    theta, shapes = modes
+    if np.max(np.abs(theta)) > np.pi:
+        return None
+    gains = gains_of(theta, shapes, equations.slowed)
+    begins = _beginnings(record, theta, shapes, gains, signs)
+    structures = Structures(
+        theta=theta[None],
+        shapes=(begins[:, None] * shapes)[None],
+        gains=(gains / begins[:, None])[None],
+        forces=forces,
+        scales=np.max(np.abs(speeds), axis=1) + 1e-300,
+    )
+    return evaluated(record, structures, 0)
+
+
+def equations_of(values: RealArray, signs: RealArray, forces: tuple[Force, ...], half: int) -> Equations | None:
+    """Return the equations of least squares for displacements (channel, sample) and signs of speeds (force, sample).
+
+    Weights are ``2 half + 1`` samples wide. None where there are too few.
+    """
+    count, unknowns = len(values), 2 * len(values) + len(forces) + 1
+    if values.shape[1] - 2 * half < FEWEST_EQUATIONS * unknowns:
+        return None
+    place, speed, rise = (_weighted(values - values[:, :1], weight) for weight in _weights(half))
+    signs = _weighted(signs, _weights(half)[0])
+    stiffness, damping, slowed = np.zeros((count, count)), np.zeros((count, count)), np.zeros((count, len(forces)))
+    for c in range(count):
+        acts = [j for j, force in enumerate(forces) if c in (force.channel, force.other)]
+        columns = np.column_stack([place.T, speed.T, signs[acts].T, np.ones(place.shape[1])])
+        norms = np.linalg.norm(columns, axis=0) + 1e-300
+        parts = -np.linalg.lstsq(columns / norms, rise[c], rcond=None)[0] / norms
+        stiffness[c], damping[c], slowed[c, acts] = parts[:count], parts[count : 2 * count], parts[2 * count : -1]
+    return Equations(stiffness=stiffness, damping=damping, slowed=slowed)
+
+
+def _signs(values: RealArray, forces: tuple[Force, ...], half: int) -> tuple[RealArray, RealArray]:
+    """Return the means of the signs of the speeds that forces follow, and the speeds, (force, sample)."""
+    narrow = max(2, half // NARROWER)
+    edges = np.pad(values, ((0, 0), (narrow, narrow)), mode="reflect", reflect_type="odd")
+    speed = _weighted(edges, _weights(narrow)[1])
+    follows = np.array([speed[f.channel] - (0.0 if f.other is None else speed[f.other]) for f in forces])
+    return np.array([mean_sign(each) for each in follows]), follows
+
+
+def _weights(half: int) -> RealArray:
+    """Return a weight of sum 1, and weights that give speeds and accelerations, (derivative, sample)."""
+    t = np.arange(-half, half + 1) / (half + 1)
+    base = 1 - t**2
+    first = 2 * POWER * t * base ** (POWER - 1)
+    second = 4 * POWER * (POWER - 1) * t**2 * base ** (POWER - 2) - 2 * POWER * base ** (POWER - 1)
+    total = np.sum(base**POWER)
+    return np.asarray(np.stack([base**POWER, first / (half + 1), second / (half + 1) ** 2]) / total)
+
+
+def _weighted(values: RealArray, weight: RealArray) -> RealArray:
+    """Return the sums of values (row, sample) under a weight, wherever it has room."""
+    return np.array([np.convolve(row, weight[::-1], mode="valid") for row in values])
+
+
+def _beginnings(
+    record: Record, theta: ComplexArray, shapes: ComplexArray, gains: ComplexArray, signs: RealArray
+) -> ComplexArray:
+    """Return the states of modes at the first sample that fit a record best beside what friction adds, (pole,)."""
+    from scipy.signal import lfilter
+
+    samples = np.arange(record.values.shape[1])
+    free = np.exp(np.outer(theta, samples))
+    pushed = np.zeros(free.shape, complex)
+    for k, each in enumerate(theta):
+        push = (gains[k] @ signs)[:-1]
+        pushed[k, 1:] = lfilter([np.expm1(each) / each], [1, -np.exp(each)], push)
+    moved = (shapes.T @ pushed).real
+    fixed = np.exp(np.outer(samples, record.nuisances))
+    parts = [(shapes[:, c, None] * free).T for c in range(len(moved))]
+    offsets = np.kron(np.eye(len(moved)), fixed)
+    columns = np.column_stack([np.concatenate([p.real for p in parts]), np.concatenate([-p.imag for p in parts]), offsets])
+    found = np.linalg.lstsq(columns, (record.values - moved).ravel(), rcond=None)[0]
+    return np.asarray(found[: len(theta)] + 1j * found[len(theta) : 2 * len(theta)])
