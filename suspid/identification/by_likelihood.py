@@ -141,7 +141,9 @@ def _described(
     if count is not None:
         return modes, loudness, dependence, ()
     grows = np.array([np.median(each.zeta) < 0 for each in dependence], bool)
-    open_ones = _undetermined(modes) | _vague(modes)
+    # What each part of a decay damps has damping, however much it differs from part to part.
+    damped = np.array([np.all(each.zeta > NORMAL_95 * each.zeta_std) for each in dependence], bool)
+    open_ones = _undetermined(modes) | (_vague(modes) & ~damped)
     none = grows | open_ones
     if none.all() or np.any(_sizes(bent, modes, signal.step)[open_ones] > PLAIN_SIZE):
         return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -32,6 +33,9 @@ WITHIN_REACH = 0.5
 # Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
 # present one, per sample: a fit rarely gains more, and each takes seconds.
 PROMISED_REACH = 1.0
+# Cycles of the slowest mode to which starts from the equations of motion are fitted first: from one number of them a
+# fit finds its way where it does not from the other.
+CYCLES_FIRST = (0.5, 1.0)
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
@@ -85,13 +89,15 @@ def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: floa
     channels, count = record.values.shape
     if not 1 < channels <= most or not leaves_more(strong, record.noise):
         return None
+    starts = [
+        start
+        for start in from_equations(record, float(np.min(strong.drive.theta.imag)))
+        if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size
+        and steps_of(start.theta, count, ForceKind.FRICTION) <= LONGEST_RUBBED
+    ]
     best: StructureFit | None = None
-    for start in from_equations(record, float(strong.drive.theta[0].imag)):
-        if start.loss > strong.loss + MORE_AT_FIRST * start.residual.size:
-            break
-        if steps_of(start.theta, count, ForceKind.FRICTION) > LONGEST_RUBBED:
-            continue
-        fit = followed_on(start)
+    for cycles, start in product(CYCLES_FIRST, starts):
+        fit = followed_on(start, cycles)
         best = fit if best is None or fit.bic < best.bic else best
         if explains(best, highest):
             break

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.structure import (
+    CHANGE,
     StructureFit,
     evaluated,
+    gains_of,
     jumps_of,
     least_jumps,
     parameters_of,
@@ -61,7 +63,8 @@ def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
     pace = RUBBED_STEPS if start.structures.kind is ForceKind.FRICTION else SMOOTH_STEPS
     longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
     for _ in range(pace.most if steps is None else steps):
-        slopes = fit.nearby.slopes(fit)
+        at, along = _free(fit.structures)
+        slopes = along @ fit.nearby.slopes(fit)
         scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
         unit = slopes * scale[:, None]
         left = -_weighted(fit, fit)
@@ -73,12 +76,12 @@ def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
             damped = information + damping * np.eye(len(information))
             step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
             if refused and pace.bends:
-                near = _moved(fit, PROBE * step * scale, longest)
+                near = _moved(fit, at + PROBE * step * scale, longest)
                 bend = None if near is None else 2 / PROBE * ((_weighted(near, fit) + left) / PROBE - step @ unit)
                 if bend is not None and np.all(np.isfinite(bend)):
                     turn = -0.5 * np.linalg.lstsq(damped, unit @ bend, rcond=None)[0]
                     step = step + turn if np.linalg.norm(turn) < MOST_BEND * np.linalg.norm(step) else step
-            trial = _moved(fit, step * scale, longest)
+            trial = _moved(fit, at + step * scale, longest)
             if trial is not None and _cost(trial) < before:
                 better = trial
                 break
@@ -91,9 +94,47 @@ def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
     return fit
 
 
-def _moved(fit: StructureFit, step: RealArray, longest: int) -> StructureFit | None:
-    """Return the fit with its parameters changed, None where its motion would take more steps than the longest."""
-    structures = with_parameters(fit.structures, (parameters_of(fit.structures) + step)[None])
+def _free(of: Structures) -> tuple[RealArray, RealArray]:
+    """Return the parameters that a fit moves, and the derivatives of all by them, (moved, parameter).
+
+    Of as many modes as channels they are poles, displacements and by how much each force slows each mass: gains follow,
+    as no force moves a mass at once. With gains of their own, that would leave a narrow bent valley.
+    """
+    every = parameters_of(of)[0]
+    if not _settled(of):
+        return every, np.eye(len(every))
+    at = np.concatenate([every[: 2 * (of.theta.size + of.shapes.size)], _slowed(of).ravel()])
+    steps = np.maximum(CHANGE * np.abs(at), CHANGE * 1e-3 * np.max(np.abs(at)))
+    near = parameters_of(_placed(of, at + np.vstack([np.diag(steps), -np.diag(steps)])))
+    return at, (near[: len(at)] - near[len(at) :]) / (2 * steps[:, None])
+
+
+def _settled(of: Structures) -> bool:
+    """Return whether gains follow from what forces do to the masses: there are as many modes as channels."""
+    return of.theta.shape[1] == of.shapes.shape[2]
+
+
+def _slowed(of: Structures) -> RealArray:
+    """Return by how much each force slows each mass, (channel, force)."""
+    speeds = of.shapes[0] * of.theta[0][:, None]
+    return np.asarray(-(speeds.T @ of.gains[0]).real)
+
+
+def _placed(of: Structures, free: RealArray) -> Structures:
+    """Return structures with other parameters of those that a fit moves, (structure, moved)."""
+    poles, channels = of.shapes.shape[1:]
+    if not _settled(of):
+        return with_parameters(of, free)
+    count = poles * (1 + channels)
+    every = free[:, : 2 * count : 2] + 1j * free[:, 1 : 2 * count : 2]
+    theta, shapes = every[:, :poles], every[:, poles:].reshape(-1, poles, channels)
+    slowed = free[:, 2 * count :].reshape(-1, channels, len(of.forces))
+    return replace(of, theta=theta, shapes=shapes, gains=gains_of(theta, shapes, slowed))
+
+
+def _moved(fit: StructureFit, free: RealArray, longest: int) -> StructureFit | None:
+    """Return the fit with other parameters, None where its motion would take more steps than the longest."""
+    structures = _placed(fit.structures, free[None])
     steps = steps_of(structures.theta[0], fit.residual.shape[1], structures.kind)
     possible = _possible(structures, fit) and steps <= longest
     return evaluated(fit.record, structures, fit.order) if possible else None

@@ -19,22 +19,21 @@ import numpy as np
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
-from suspid.identification.nonlinear.guesses import gains_of
 from suspid.identification.nonlinear.motion import Structures
-from suspid.identification.nonlinear.structure import StructureFit, evaluated
+from suspid.identification.nonlinear.structure import StructureFit, evaluated, gains_of
 from suspid.units import ComplexArray, RealArray
 
-# Half the widths of the weights, in periods of the strongest pole: narrow ones show fast modes, wide ones hide noise.
-WIDTHS = (0.04, 0.08, 0.16, 0.32)
+# Half the widths of the weights, in periods of the slowest mode: narrow ones show fast modes, wide ones hide noise.
+WIDTHS = (0.03, 0.06, 0.1, 0.17, 0.3)
 # Samples in half a weight at least, and its power of 1 - t^2: its first derivatives are smooth.
 FEWEST_IN_HALF, POWER = 4, 6
 # Speeds are weighted over less: their signs turn at once.
 NARROWER = 3
 # Equations for each unknown, at least.
 FEWEST_EQUATIONS = 5
-# Periods of the slowest mode to which a start is fitted first, how much longer each stretch is than the one before, and
-# the steps of each fit: over more, the phase of a fast mode is lost.
-BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
+# How much longer each stretch is to which a start is fitted than the one before, and the steps of each fit: over more,
+# the phase of a fast mode is lost.
+STRETCHED, STEPS = 1.4, 8
 # Damping ratio in place of growth, at first: friction takes what dampers seem to give.
 LIGHT = 0.01
 
@@ -62,10 +61,10 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def followed_on(start: StructureFit) -> StructureFit:
-    """Return the fit near a start to the beginning of its record, followed on to the end in steps."""
+def followed_on(start: StructureFit, cycles: float) -> StructureFit:
+    """Return the fit near a start to the first cycles of its slowest mode, followed on to the end in steps."""
     record, fit = start.record, start
-    count = int(BEGUN * 2 * np.pi / float(np.min(start.theta.imag)))
+    count = int(cycles * 2 * np.pi / float(np.min(start.theta.imag)))
     while count < record.values.shape[1]:
         fit = fitted(fit.with_record(record.begun(count)), steps=STEPS)
         count = int(STRETCHED * count) + 1
@@ -75,7 +74,7 @@ def followed_on(start: StructureFit) -> StructureFit:
 def from_equations(record: Record, turn: float) -> list[StructureFit]:
     """Return starts from the equations of displacements with friction, as many modes as channels, the likeliest first.
 
-    There is one for each width of the weights. The strongest mode turns by about ``turn`` from sample to sample [rad].
+    There is one for each width of the weights. The slowest mode turns by about ``turn`` from sample to sample [rad].
     """
     period = 2 * np.pi / turn
     forces = forces_of(ForceKind.FRICTION, len(record.values), most=6)

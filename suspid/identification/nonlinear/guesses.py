@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from suspid.identification.nonlinear.motion import Structures, motion_of
-from suspid.identification.nonlinear.structure import StructureFit
+from suspid.identification.nonlinear.structure import StructureFit, gains_of
 from suspid.units import ComplexArray, RealArray
 
 # Friction of each mass over the force at its first peak. A start without friction reaches what is weaker; under what is
@@ -54,17 +54,6 @@ def with_friction(plain: StructureFit) -> list[StructureFit]:
         plain.with_structures(replace(of, theta=theta[[one]], shapes=shapes[[one]], gains=gains[[one]]))
         for one in likely
     ]
-
-
-def gains_of(theta: ComplexArray, shapes: ComplexArray, slowed: RealArray) -> ComplexArray:
-    """Return the gains (pole, force) of forces that slow masses by accelerations (channel, force), and move none.
-
-    Exponents are (pole,), displacements (pole, channel), per sample.
-    """
-    rows = np.concatenate([shapes.T, (shapes * theta[:, None]).T])
-    changes = np.concatenate([np.zeros_like(slowed), -slowed])
-    parts = np.linalg.lstsq(np.concatenate([rows.real, -rows.imag], axis=1), changes, rcond=None)[0]
-    return np.asarray(parts[: len(theta)] + 1j * parts[len(theta) :])
 
 
 def _refitted(plain: StructureFit, guesses: Structures, slowed: RealArray) -> tuple[ComplexArray, RealArray]:

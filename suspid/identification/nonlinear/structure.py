@@ -156,7 +156,7 @@ def with_parameters(of: Structures, parameters: RealArray) -> Structures:
 
 def evaluated(record: Record, structures: Structures, order: int) -> StructureFit:
     """Return the structure with its motion and what that leaves of a record."""
-    at, count = parameters_of(structures), record.values.shape[1]
+    at, count = parameters_of(structures)[0], record.values.shape[1]
     steps = np.maximum(CHANGE * np.repeat(np.abs(at[::2] + 1j * at[1::2]), 2), CHANGE**1.5)
     # A step costs about as much for all of them as for one.
     every = with_parameters(structures, at + np.vstack([np.zeros(len(at)), np.diag(steps)]))
@@ -181,9 +181,21 @@ def evaluated(record: Record, structures: Structures, order: int) -> StructureFi
 
 
 def parameters_of(of: Structures) -> RealArray:
-    """Return real and imaginary parts of the exponents, shapes and gains of one structure."""
-    every = np.concatenate([of.theta.ravel(), of.shapes.ravel(), of.gains.ravel()])
-    return np.column_stack([every.real, every.imag]).ravel()
+    """Return real and imaginary parts of the exponents, shapes and gains, (structure, parameter)."""
+    every = np.concatenate([part.reshape(len(of.theta), -1) for part in (of.theta, of.shapes, of.gains)], axis=1)
+    return np.stack([every.real, every.imag], axis=2).reshape(len(every), -1)
+
+
+def gains_of(theta: ComplexArray, shapes: ComplexArray, slowed: RealArray) -> ComplexArray:
+    """Return the gains (…, pole, force) of forces that slow masses by accelerations (…, channel, force), and move none.
+
+    Exponents are (…, pole), displacements (…, pole, channel), per sample.
+    """
+    rows = np.concatenate([np.swapaxes(each, -2, -1) for each in (shapes, shapes * theta[..., None])], axis=-2)
+    changes = np.concatenate([np.zeros_like(slowed), -slowed], axis=-2)
+    parts = np.linalg.pinv(np.concatenate([rows.real, -rows.imag], axis=-1)) @ changes
+    poles = theta.shape[-1]
+    return np.asarray(parts[..., :poles, :] + 1j * parts[..., poles:, :])
 
 
 def _observed(record: Record, structures: Structures, motion: Motion, order: int) -> RealArray:
