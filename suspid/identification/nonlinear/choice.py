@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
@@ -33,9 +32,6 @@ WITHIN_REACH = 0.5
 # Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
 # present one, per sample: a fit rarely gains more, and each takes seconds.
 PROMISED_REACH = 1.0
-# Cycles of the slowest mode to which starts from the equations of motion are fitted first: from one number of them a
-# fit finds its way where it does not from the other.
-CYCLES_FIRST = (0.5, 1.0)
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
@@ -96,8 +92,8 @@ def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: floa
         and steps_of(start.theta, count, ForceKind.FRICTION) <= LONGEST_RUBBED
     ]
     best: StructureFit | None = None
-    for cycles, start in product(CYCLES_FIRST, starts):
-        fit = followed_on(start, cycles)
+    for start in starts:
+        fit = followed_on(start)
         best = fit if best is None or fit.bic < best.bic else best
         if explains(best, highest):
             break

@@ -48,7 +48,27 @@ SMOOTH_STEPS = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
 RUBBED_STEPS = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
 
 
-def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
+@dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """What is known of the parameters that a fit moves beside a record: values and standard deviations, (moved,)."""
+
+    values: RealArray
+    std: RealArray
+
+    @classmethod
+    def of(cls, structures: Structures, *, share: float) -> Around:
+        """Return the parameters of a structure, each known to a share of the largest of its kind."""
+        values, parts = _free(structures)[0], (2 * structures.theta.size, 2 * structures.shapes.size)
+        kinds = np.split(values, np.cumsum(parts))
+        largest = [np.full(len(kind), np.max(np.abs(kind), initial=1e-300)) for kind in kinds]
+        return cls(values, share * np.concatenate(largest))
+
+    def apart(self, fit: StructureFit) -> RealArray:
+        """Return by how many standard deviations each parameter is off."""
+        return np.asarray((_free(fit.structures)[0] - self.values) / self.std)
+
+
+def fitted(start: StructureFit, *, steps: int | None = None, around: Around | None = None) -> StructureFit:
     """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps.
 
     Where the parameters of a force and those of a pole hardly differ, the likelihood falls along a narrow bent valley.
@@ -65,31 +85,33 @@ def fitted(start: StructureFit, *, steps: int | None = None) -> StructureFit:
     for _ in range(pace.most if steps is None else steps):
         at, along = _free(fit.structures)
         slopes = along @ fit.nearby.slopes(fit)
+        if around is not None:
+            slopes = np.concatenate([slopes, np.diag(1 / around.std)], axis=1)
         scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
         unit = slopes * scale[:, None]
-        left = -_weighted(fit, fit)
+        left = -_weighted(fit, fit, around)
         information, gradient = unit @ unit.T, unit @ left
         if not (np.all(np.isfinite(information)) and np.all(np.isfinite(gradient))):
             return fit
-        better, before = None, _cost(fit)
+        better, before = None, _cost(fit, around)
         for _ in range(pace.tries):
             damped = information + damping * np.eye(len(information))
             step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
             if refused and pace.bends:
                 near = _moved(fit, at + PROBE * step * scale, longest)
-                bend = None if near is None else 2 / PROBE * ((_weighted(near, fit) + left) / PROBE - step @ unit)
+                bend = None if near is None else 2 / PROBE * ((_weighted(near, fit, around) + left) / PROBE - step @ unit)
                 if bend is not None and np.all(np.isfinite(bend)):
                     turn = -0.5 * np.linalg.lstsq(damped, unit @ bend, rcond=None)[0]
                     step = step + turn if np.linalg.norm(turn) < MOST_BEND * np.linalg.norm(step) else step
             trial = _moved(fit, at + step * scale, longest)
-            if trial is not None and _cost(trial) < before:
+            if trial is not None and _cost(trial, around) < before:
                 better = trial
                 break
             refused, damping = True, max(pace.more * damping, LEAST_DAMPING)
         if better is None:
             return fit
         fit, damping = better, damping / pace.less
-        if before - _cost(fit) < SETTLED:
+        if before - _cost(fit, around) < SETTLED:
             return fit
     return fit
 
@@ -140,10 +162,11 @@ def _moved(fit: StructureFit, free: RealArray, longest: int) -> StructureFit | N
     return evaluated(fit.record, structures, fit.order) if possible else None
 
 
-def _weighted(fit: StructureFit, of: StructureFit) -> RealArray:
-    """Return the motion less the record, and the jumps, over the standard deviations of another fit."""
+def _weighted(fit: StructureFit, of: StructureFit, around: Around | None) -> RealArray:
+    """Return the motion less the record, the jumps, and what is off, over the standard deviations of another fit."""
     jumps = jumps_of(fit.structures) / least_jumps(of.structures)
-    return np.concatenate([(-fit.residual / np.sqrt(of.variance)[:, None]).ravel(), jumps.ravel()])
+    parts = [(-fit.residual / np.sqrt(of.variance)[:, None]).ravel(), jumps.ravel()]
+    return np.concatenate(parts if around is None else [*parts, around.apart(fit)])
 
 
 def _possible(structures: Structures, before: StructureFit) -> bool:
@@ -152,7 +175,8 @@ def _possible(structures: Structures, before: StructureFit) -> bool:
     return bool(np.all(theta.imag > 0) and np.max(np.abs(theta)) < 2 * np.max(np.abs(before.theta)))
 
 
-def _cost(fit: StructureFit) -> float:
+def _cost(fit: StructureFit, around: Around | None) -> float:
     jumps = float(np.sum((jumps_of(fit.structures) / least_jumps(fit.structures)) ** 2))
     cost = fit.record.noise.cost(fit.squares, fit.residual.shape[1]) + jumps
+    cost += 0.0 if around is None else float(np.sum(around.apart(fit) ** 2))
     return cost if np.isfinite(cost) else np.inf

@@ -13,10 +13,11 @@ Messenger, D. A. and Bortz, D. M. (2021). Weak SINDy for partial differential eq
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
-from suspid.identification.nonlinear.descent import fitted
+from suspid.identification.nonlinear.descent import Around, fitted
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
 from suspid.identification.nonlinear.motion import Structures
@@ -31,9 +32,13 @@ FEWEST_IN_HALF, POWER = 4, 6
 NARROWER = 3
 # Equations for each unknown, at least.
 FEWEST_EQUATIONS = 5
-# How much longer each stretch is to which a start is fitted than the one before, and the steps of each fit: over more,
-# the phase of a fast mode is lost.
-STRETCHED, STEPS = 1.4, 8
+# Cycles of the slowest mode to which a start is fitted first, how much longer each stretch is than the one before, and
+# the steps of each fit: over more, the phase of a fast mode is lost.
+BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
+# What the equations tell of each parameter, as a share of the largest of its kind: short stretches leave some open.
+TOLD = 0.3
+# Widths whose starts are fitted, for each choice of where friction acts.
+MOST_WIDTHS = 3
 # Damping ratio in place of growth, at first: friction takes what dampers seem to give.
 LIGHT = 0.01
 
@@ -61,12 +66,12 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def followed_on(start: StructureFit, cycles: float) -> StructureFit:
-    """Return the fit near a start to the first cycles of its slowest mode, followed on to the end in steps."""
-    record, fit = start.record, start
-    count = int(cycles * 2 * np.pi / float(np.min(start.theta.imag)))
+def followed_on(start: StructureFit) -> StructureFit:
+    """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps."""
+    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD)
+    count = int(BEGUN * 2 * np.pi / float(np.min(start.theta.imag)))
     while count < record.values.shape[1]:
-        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS)
+        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS, around=around)
         count = int(STRETCHED * count) + 1
     return fitted(fit.with_record(record), steps=STEPS)
 
@@ -74,13 +79,30 @@ def followed_on(start: StructureFit, cycles: float) -> StructureFit:
 def from_equations(record: Record, turn: float) -> list[StructureFit]:
     """Return starts from the equations of displacements with friction, as many modes as channels, the likeliest first.
 
-    There is one for each width of the weights. The slowest mode turns by about ``turn`` from sample to sample [rad].
+    Friction acts against the ground, or in the struts of a chain, in any order. The slowest mode turns by about
+    ``turn`` from sample to sample [rad].
     """
-    period = 2 * np.pi / turn
-    forces = forces_of(ForceKind.FRICTION, len(record.values), most=6)
+    period, found = 2 * np.pi / turn, list[StructureFit]()
     halves = dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS)
-    starts = (_start(record, forces, half) for half in halves)
-    return sorted((start for start in starts if start is not None), key=lambda start: start.loss)
+    for forces in rubbing(len(record.values)):
+        starts = (_start(record, forces, half) for half in halves)
+        found += sorted((start for start in starts if start is not None), key=lambda start: start.loss)[:MOST_WIDTHS]
+    return sorted(found, key=lambda start: start.loss)
+
+
+def rubbing(channels: int) -> tuple[tuple[Force, ...], ...]:
+    """Return where friction may act: at each mass against the ground, or in the struts of a chain, in any order.
+
+    Examples
+    --------
+    >>> [[(force.channel, force.other) for force in forces] for forces in rubbing(2)]
+    [[(0, None), (1, None)], [(0, None), (1, 0)], [(1, None), (0, 1)]]
+    """
+    chains = [
+        tuple(Force(kind=ForceKind.FRICTION, channel=c, other=o) for c, o in zip(chain, (None, *chain), strict=False))
+        for chain in permutations(range(channels))
+    ]
+    return (forces_of(ForceKind.FRICTION, channels, most=channels), *chains)
 
 
 def _start(record: Record, forces: tuple[Force, ...], half: int) -> StructureFit | None:
