@@ -14,7 +14,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used
 from suspid.decays import at_rest_from, finest, releases_before, rest_of
-from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.identification import FEWEST_SAMPLES, ForceKind, Identification
 from suspid.model import ModalSet
 from suspid.records import of_channels
 from suspid.signals import Signal, as_signal
@@ -40,27 +40,41 @@ def until_locked(
     """Return the motion until a channel stops, or two move as one, if it is explained down to its noise.
 
     Friction in a strut lets two masses move against each other until it locks them. What goes on is another structure,
-    and no fit explains both. ``found`` is what the search for decays led to: nothing else is tried where that leaves
-    only noise and begins before the strut is locked. What has fewer modes is not used, nor as many where what begins
-    before it is not doubtful.
+    and no fit without friction explains both. ``found`` is what the search for decays led to: nothing else is tried
+    where that leaves only noise and begins before the strut is locked, unless it goes on beyond that without friction.
+    What has fewer modes is not used but in place of that, nor as many where what begins before it is not doubtful.
     """
     if not questioned(found, settings):
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
-    signal, start = as_signal(record), as_signal(stretch.record).start
+    signal, used = as_signal(record), as_signal(stretch.record)
     last = min(sample for sample, _ in _stops(signal))
-    locked = _time(signal, last)
-    if last == signal.values.shape[1] or (settled(found) and start < locked):
+    if last == signal.values.shape[1]:
         return None
-    begins = min((*releases_before(signal, locked), start))
-    clear = start < locked and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
-    least = max(1, len(found.modes) + clear)
-    for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
-        if moved is None or len(moved.modes) < least:
-            return None
-        if explains_swings(moved):
-            return used_instead(stretch, part, moved, Note.UNTIL_LOCKED)
+    locked = _time(signal, last)
+    before = used.start < locked - _quarter(found.modes)
+    both = before and float(used.timepts[-1]) > locked + _quarter(found.modes) and not _rubs(found)
+    if settled(found) and before and not both:
+        return None
+    clear = before and not both and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
+    least = 1 if both else max(1, len(found.modes) + clear)
+    releases = releases_before(signal, locked)
+    for begins in dict.fromkeys((min((*releases, used.start)), *releases[-1:])):
+        for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
+            if moved is None or len(moved.modes) < least:
+                break
+            if explains_swings(moved) and (_rubs(moved) or not both):
+                return used_instead(stretch, part, moved, Note.UNTIL_LOCKED)
     return None
+
+
+def _rubs(found: Identification) -> bool:
+    return any(force.kind is ForceKind.FRICTION for force in found.forces)
+
+
+def _quarter(modes: ModalSet) -> Second:
+    """Return a quarter of a period of the fastest mode, 0 without any."""
+    return QUARTER_PERIOD / float(np.max(modes.wn)) if len(modes) else 0.0
 
 
 def after_lock(record: control.TimeResponseData, stretch: Used, modes: ModalSet) -> tuple[Remark, ...]:
@@ -86,7 +100,7 @@ def after_lock(record: control.TimeResponseData, stretch: Used, modes: ModalSet)
     signal = as_signal(of_channels(record, part.channels))
     last, names = min(_stops(signal))
     locked = _time(signal, last)
-    if len(names) < 2 or not len(modes) or part.start < locked - QUARTER_PERIOD / float(np.max(modes.wn)):
+    if len(names) < 2 or not len(modes) or part.start < locked - _quarter(modes):
         return ()
     return (Remark(Note.AFTER_LOCK, {"first": names[0], "second": names[1], "time": locked}),)
 

@@ -32,6 +32,8 @@ WITHIN_REACH = 0.5
 # Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
 # present one, per sample: a fit rarely gains more, and each takes seconds.
 PROMISED_REACH = 1.0
+# Loss per sample by which the first fits from the equations of motion may be above what must be reached.
+NEAR = 1.0
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
@@ -52,8 +54,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent, record.noise):
         return None
     strong = strongest(record, plain)
-    best = _by_equations(record, strong, most=most, highest=highest)
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
+    best = _by_equations(record, strong, most=most, highest=highest, longest=rubbed)
     for start in starts_of(record, strong, bent):
         if _too_long(start.drive.theta, record.values.shape[1]):
             continue
@@ -77,7 +79,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     return best if best is not None and best.forces and best.bic < highest else None
 
 
-def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float) -> StructureFit | None:
+def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float, longest: int) -> StructureFit | None:
     """Return the structure with friction that the equations of motion lead to; None where a linear fit explains more.
 
     Where a linear fit leaves only noise beside its modes, nothing is tried.
@@ -85,17 +87,17 @@ def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: floa
     channels, count = record.values.shape
     if not 1 < channels <= most or not leaves_more(strong, record.noise):
         return None
-    starts = [
-        start
-        for start in from_equations(record, float(np.min(strong.drive.theta.imag)))
-        if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size
-        and steps_of(start.theta, count, ForceKind.FRICTION) <= LONGEST_RUBBED
-    ]
     best: StructureFit | None = None
-    for start in starts:
-        fit = followed_on(start)
-        best = fit if best is None or fit.bic < best.bic else best
-        if explains(best, highest):
+    for starts in from_equations(record, float(np.min(strong.drive.theta.imag))):
+        for start in starts:
+            likely = start.loss < strong.loss + MORE_AT_FIRST * start.residual.size
+            if likely and steps_of(start.theta, count, ForceKind.FRICTION) <= longest:
+                fit = followed_on(start)
+                best = fit if best is None or fit.bic < best.bic else best
+                if explains(best, highest):
+                    return best
+        # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
+        if best is None or best.bic > highest + NEAR * best.residual.size:
             break
     return best if best is not None and best.bic < strong.bic else None
 

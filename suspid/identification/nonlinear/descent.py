@@ -99,7 +99,9 @@ def fitted(start: StructureFit, *, steps: int | None = None, around: Around | No
             step = np.linalg.lstsq(damped, gradient, rcond=None)[0]
             if refused and pace.bends:
                 near = _moved(fit, at + PROBE * step * scale, longest)
-                bend = None if near is None else 2 / PROBE * ((_weighted(near, fit, around) + left) / PROBE - step @ unit)
+                bend = (
+                    None if near is None else 2 / PROBE * ((_weighted(near, fit, around) + left) / PROBE - step @ unit)
+                )
                 if bend is not None and np.all(np.isfinite(bend)):
                     turn = -0.5 * np.linalg.lstsq(damped, unit @ bend, rcond=None)[0]
                     step = step + turn if np.linalg.norm(turn) < MOST_BEND * np.linalg.norm(step) else step

@@ -76,18 +76,19 @@ def followed_on(start: StructureFit) -> StructureFit:
     return fitted(fit.with_record(record), steps=STEPS)
 
 
-def from_equations(record: Record, turn: float) -> list[StructureFit]:
-    """Return starts from the equations of displacements with friction, as many modes as channels, the likeliest first.
+def from_equations(record: Record, turn: float) -> list[list[StructureFit]]:
+    """Return starts from the equations of displacements with friction, as many modes as channels.
 
-    Friction acts against the ground, or in the struts of a chain, in any order. The slowest mode turns by about
-    ``turn`` from sample to sample [rad].
+    Friction acts against the ground, or in the struts of a chain, in any order. The first starts are the likeliest of
+    each, then the next ones. The slowest mode turns by about ``turn`` from sample to sample [rad].
     """
-    period, found = 2 * np.pi / turn, list[StructureFit]()
+    period, found = 2 * np.pi / turn, [list[StructureFit]() for _ in range(MOST_WIDTHS)]
     halves = dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS)
     for forces in rubbing(len(record.values)):
-        starts = (_start(record, forces, half) for half in halves)
-        found += sorted((start for start in starts if start is not None), key=lambda start: start.loss)[:MOST_WIDTHS]
-    return sorted(found, key=lambda start: start.loss)
+        starts = (start for half in halves if (start := _start(record, forces, half)) is not None)
+        for rank, start in zip(found, sorted(starts, key=lambda start: start.loss), strict=False):
+            rank.append(start)
+    return [sorted(rank, key=lambda start: start.loss) for rank in found]
 
 
 def rubbing(channels: int) -> tuple[tuple[Force, ...], ...]:
@@ -186,6 +187,8 @@ def _beginnings(
     fixed = np.exp(np.outer(samples, record.nuisances))
     parts = [(shapes[:, c, None] * free).T for c in range(len(moved))]
     offsets = np.kron(np.eye(len(moved)), fixed)
-    columns = np.column_stack([np.concatenate([p.real for p in parts]), np.concatenate([-p.imag for p in parts]), offsets])
+    columns = np.column_stack(
+        [np.concatenate([p.real for p in parts]), np.concatenate([-p.imag for p in parts]), offsets]
+    )
     found = np.linalg.lstsq(columns, (record.values - moved).ravel(), rcond=None)[0]
     return np.asarray(found[: len(theta)] + 1j * found[len(theta) : 2 * len(theta)])
