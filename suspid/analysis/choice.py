@@ -34,6 +34,7 @@ from suspid.identification import (
     residual_of_part,
 )
 from suspid.levels import likely
+from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
@@ -65,6 +66,9 @@ OF_ELSEWHERE = frozenset({DecayDoubt.BACKGROUND, DecayDoubt.SMALL_PART})
 LITTLE_SEEN, FAR_FROM_NOISE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT}), 10.0
 # Where each mode that was identified makes more cycles than this, until it ends or has died away, it is no guess.
 CYCLES_ENOUGH, DIED_AWAY = 4.0, 3.0
+# Where the slowest mode is damped by more than this, the second half of its first cycle has less than a tenth of the
+# size of the first: any pulse looks like that, and where the decay is doubted, that is no mode. Bodies have less.
+NO_CYCLE = 0.6
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
 # Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
@@ -94,6 +98,11 @@ def tried_linear(record: control.TimeResponseData, settings: Settings) -> Identi
         return identify_linear(record, strict=True)
     except SuspidError:
         return None
+
+
+def swings(modes: Decay | ModalSet) -> bool:
+    """Return whether the slowest mode makes cycles that can be seen, or there is none."""
+    return not modes.wn.size or float(modes.zeta[np.argmin(modes.wn)]) < NO_CYCLE
 
 
 def settled(found: Identification) -> bool:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import level_of, settled, tried
+from suspid.analysis.choice import NO_CYCLE, level_of, settled, tried
 from suspid.analysis.held import held_from
 from suspid.analysis.largest import MOST_OF_IT
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.support import questioned
 from suspid.analysis.swings import AT_REST
 from suspid.analysis.used import Used, instead_of

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import settled, tried
+from suspid.analysis.choice import settled, swings, tried
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import swings
 from suspid.analysis.used import Used, instead_of
 from suspid.decays import STARTS_AFTER_REST
 from suspid.identification import FEWEST_SAMPLES, Identification
@@ -44,7 +43,12 @@ def explains_swings(found: Identification) -> bool:
 
 def used_instead(stretch: Used, part: control.TimeResponseData, found: Identification, why: Note) -> Used:
     """Return a part with what was identified in it, in place of the stretch that is used."""
-    time = as_signal(part).timepts
-    notes = (Remark(why, {"start": float(time[0]), "stop": float(time[-1])}),)
+    notes = (part_used(part, why),)
     used = Used(record=part, decays=stretch.decays, used=(), notes=notes, identification=found)
     return instead_of(stretch, used)
+
+
+def part_used(part: control.TimeResponseData, why: Note) -> Remark:
+    """Return the note that a part of a record is used, and why."""
+    time = as_signal(part).timepts
+    return Remark(why, {"start": float(time[0]), "stop": float(time[-1])})

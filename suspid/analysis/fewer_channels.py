@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import FAR_FROM_NOISE, level_of
+from suspid.analysis.choice import FAR_FROM_NOISE, NO_CYCLE, level_of
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import shared_modes, with_identification
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.swelling import left_by_modes
 from suspid.analysis.used import Used, without_channels
 from suspid.cleaning import is_clipped

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import level_of, tried
+from suspid.analysis.choice import NO_CYCLE, level_of, tried
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import longest, with_identification
 from suspid.analysis.settings import Settings
-from suspid.analysis.stretch import NO_CYCLE
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import Decays, by_chance
 from suspid.identification import FEWEST_SAMPLES, Identification

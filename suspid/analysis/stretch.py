@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
+from suspid.analysis.choice import explains, holds, settled, swings, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.far_larger import far_larger
 from suspid.analysis.first_rest import until_one_rests
@@ -18,11 +18,11 @@ from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
 from suspid.analysis.longer import longer, shared_modes, with_identification, with_its_end
 from suspid.analysis.settings import Settings
+from suspid.analysis.until_locked import released_and_locked
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays, is_grave
 from suspid.errors import RecordError
 from suspid.identification import Identification
-from suspid.model import ModalSet
 from suspid.records import cut, late_start
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -38,9 +38,6 @@ MOST_NEXT = 4
 # The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
 # it, its decay would not be known.
 EARLY_PART = 0.25
-# Where the slowest mode is damped by more than this, the second half of its first cycle has less than a tenth of the
-# size of the first: any pulse looks like that, and where the decay is doubted, that is no mode. Bodies have less.
-NO_CYCLE = 0.6
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
 
@@ -65,6 +62,9 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
+        locked = released_and_locked(record, settings)
+        if locked is not None:
+            return locked
         best = longer(record, _best(record, settings), settings)
         sounder = _sounder(record, best, settings)
         best = sounder if sounder.used == best.used else longer(record, sounder, settings)
@@ -251,11 +251,6 @@ def _again(
         if found is not None and known and len(found.modes) and swings(found.modes):
             return replace(used, identification=found)
     return None
-
-
-def swings(modes: Decay | ModalSet) -> bool:
-    """Return whether the slowest mode makes cycles that can be seen, or there is none."""
-    return not modes.wn.size or float(modes.zeta[np.argmin(modes.wn)]) < NO_CYCLE
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:

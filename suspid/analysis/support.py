@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import doubts_of, level_of, settled
+from suspid.analysis.choice import NO_CYCLE, doubts_of, level_of, settled, swings
 from suspid.analysis.settings import Settings
 from suspid.analysis.standstill import swings_on
-from suspid.analysis.stretch import NO_CYCLE, swings
 from suspid.analysis.swelling import beats, beyond_wave, left_by_modes
 from suspid.analysis.swings import shown_by_swings
 from suspid.analysis.used import Used

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import level_of, settled
-from suspid.analysis.explained_parts import explains_swings, shortened, used_instead
+from suspid.analysis.choice import PLAIN, level_of, settled
+from suspid.analysis.explained_parts import explains_swings, part_used, shortened, used_instead
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used
@@ -65,6 +66,27 @@ def until_locked(
                 break
             if explains_swings(moved) and (_rubs(moved) or not both):
                 return used_instead(stretch, part, moved, Note.UNTIL_LOCKED)
+    return None
+
+
+def released_and_locked(record: control.TimeResponseData, settings: Settings) -> Used | None:
+    """Return the motion from a release until two channels move as one, if modes and friction explain it to its noise.
+
+    It is tried before decays are sought, which takes long where friction is: it leaves no doubt which stretch is meant.
+    Fewer than two modes are what is locked.
+    """
+    if settings != replace(PLAIN, channels=settings.channels):
+        return None
+    signal = as_signal(record)
+    last, names = min(_stops(signal))
+    if len(names) < 2 or last == signal.values.shape[1]:
+        return None
+    for begins in releases_before(signal, _time(signal, last))[-1:]:
+        for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
+            if moved is not None and len(moved.modes) > 1 and explains_swings(moved) and _rubs(moved):
+                return Used(
+                    record=part, decays=(), used=(), notes=(part_used(part, Note.UNTIL_LOCKED),), identification=moved
+                )
     return None
 
 

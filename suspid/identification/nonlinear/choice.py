@@ -92,9 +92,9 @@ def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: floa
         for start in starts:
             likely = start.loss < strong.loss + MORE_AT_FIRST * start.residual.size
             if likely and steps_of(start.theta, count, ForceKind.FRICTION) <= longest:
-                fit = followed_on(start)
-                best = fit if best is None or fit.bic < best.bic else best
-                if explains(best, highest):
+                fit = followed_on(start, reached=highest / start.residual.size)
+                best = fit if best is None or (fit is not None and fit.bic < best.bic) else best
+                if best is not None and explains(best, highest):
                     return best
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
         if best is None or best.bic > highest + NEAR * best.residual.size:

@@ -37,6 +37,8 @@ FEWEST_EQUATIONS = 5
 BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
 # What the equations tell of each parameter, as a share of the largest of its kind: short stretches leave some open.
 TOLD = 0.3
+# Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
+TELLING, LEFT = 1.5, 1.5
 # Widths whose starts are fitted, for each choice of where friction acts.
 MOST_WIDTHS = 3
 # Damping ratio in place of growth, at first: friction takes what dampers seem to give.
@@ -66,12 +68,19 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def followed_on(start: StructureFit) -> StructureFit:
-    """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps."""
+def followed_on(start: StructureFit, *, reached: float) -> StructureFit | None:
+    """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps.
+
+    None where the friction is not the true one: after some cycles, more is left of a stretch than by a fit that has
+    ``reached`` a loss per sample.
+    """
     record, fit, around = start.record, start, Around.of(start.structures, share=TOLD)
-    count = int(BEGUN * 2 * np.pi / float(np.min(start.theta.imag)))
+    cycle = 2 * np.pi / float(np.min(start.theta.imag))
+    count = int(BEGUN * cycle)
     while count < record.values.shape[1]:
         fit = fitted(fit.with_record(record.begun(count)), steps=STEPS, around=around)
+        if count > TELLING * cycle and fit.loss > (reached + LEFT) * fit.residual.size:
+            return None
         count = int(STRETCHED * count) + 1
     return fitted(fit.with_record(record), steps=STEPS)
 
