@@ -12,9 +12,8 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import ForceKind, forces_of
-from suspid.identification.nonlinear.guesses import gains_of
 from suspid.identification.nonlinear.standing import explains, misses, stands, worths_of
-from suspid.identification.nonlinear.structure import StructureFit, structure_of
+from suspid.identification.nonlinear.structure import StructureFit, gains_of, structure_of
 
 Real = NDArray[np.float64]
 SHAPES = np.array([[1.0, 0.8], [1.0, -0.6]])
@@ -88,7 +87,7 @@ def test_the_worth_of_a_force_is_the_fall_of_the_loss_that_it_brings() -> None:
     of = plain.structures
     # Forces that slow each mass by 0.1 % of its acceleration where its speed is largest.
     slowed = np.array([0.001, 0.001]) * np.sum(np.abs(of.shapes[0] * of.theta[0][:, None] ** 2), axis=0)
-    bent = plain.with_structures(replace(of, gains=gains_of(of.theta[0], of.shapes[0], slowed)[None]))
+    bent = plain.with_structures(replace(of, gains=gains_of(of.theta[0], of.shapes[0], np.diag(slowed))[None]))
     # What the forces move, and the noise.
     record = replace(plain.record, values=plain.record.values + plain.residual - bent.residual)
     fit = fitted(bent.with_record(record))

@@ -20,10 +20,10 @@ from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import Record, nonlinear_part
 from suspid.identification.nonlinear.forces import Force
-from suspid.identification.nonlinear.guesses import gains_of, with_friction
+from suspid.identification.nonlinear.guesses import with_friction
 from suspid.identification.nonlinear.linearised import mean_poles, modes_of_structure
 from suspid.identification.nonlinear.motion import Structures, motion_of
-from suspid.identification.nonlinear.structure import StructureFit, structure_of
+from suspid.identification.nonlinear.structure import StructureFit, gains_of, structure_of
 from suspid.identification.nonlinear.structure import evaluated as structure_evaluated
 from suspid.identification.nonlinear.swings import swings_of
 from suspid.records import as_response, cut, of_channels
@@ -437,7 +437,7 @@ class TestGuessesOfFriction:
     def test_gains_are_those_of_a_force_on_one_mass(self) -> None:
         modes = structure(RIG, HELD, 1e-3)
         slowed = np.array(RIG.friction) / np.array(RIG.mass) * 1e-6
-        guessed = gains_of(modes.theta[0], modes.shapes[0], slowed)
+        guessed = gains_of(modes.theta[0], modes.shapes[0], np.diag(slowed))
         assert guessed == pytest.approx(modes.gains[0], rel=1e-9)
 
     def test_the_best_start_has_the_friction_of_each_mass_to_a_factor_of_two(self) -> None:

@@ -283,12 +283,14 @@ def _to_the_end(decay: Decay, stop: Second) -> Decay:
 
 
 def _known(found: Identification) -> int:
-    """Return the number of modes that are well known."""
+    """Return the number of modes that are well known; damping that changes with the amplitude is known at each."""
     modes = found.modes
     if modes.wn_std is None or modes.zeta_std is None:
         return len(modes)
-    sure = (modes.wn_std < KNOWN_WN * modes.wn) & (modes.zeta_std < KNOWN_ZETA * np.abs(modes.zeta))
-    return int(np.sum(sure))
+    sure = modes.zeta_std < KNOWN_ZETA * np.abs(modes.zeta)
+    if len(found.amplitude_dependence) == len(modes):
+        sure |= [bool(np.all(each.zeta_std < KNOWN_ZETA * np.abs(each.zeta))) for each in found.amplitude_dependence]
+    return int(np.sum(sure & (modes.wn_std < KNOWN_WN * modes.wn)))
 
 
 def _continued(signal: Signal, before: Decay, after: Decay) -> bool:

@@ -70,7 +70,7 @@ def until_locked(
 
 
 def released_and_locked(record: control.TimeResponseData, settings: Settings) -> Used | None:
-    """Return the motion from a release until two channels move as one, if modes and friction explain it to its noise.
+    """Return the motion from a release until a channel stops, or two move as one, if modes and friction explain it to its noise.
 
     It is tried before decays are sought, which takes long where friction is: it leaves no doubt which stretch is meant.
     Fewer than two modes are what is locked.
@@ -78,8 +78,8 @@ def released_and_locked(record: control.TimeResponseData, settings: Settings) ->
     if settings != replace(PLAIN, channels=settings.channels):
         return None
     signal = as_signal(record)
-    last, names = min(_stops(signal))
-    if len(names) < 2 or last == signal.values.shape[1]:
+    last = min(sample for sample, _ in _stops(signal))
+    if len(signal.channels) < 2 or last == signal.values.shape[1]:
         return None
     for begins in releases_before(signal, _time(signal, last))[-1:]:
         for part, moved in shortened(record, begins, _time(signal, last - 1), settings):

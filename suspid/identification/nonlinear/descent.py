@@ -44,8 +44,10 @@ class Steps:
 
 # A start without forces takes 4 to 8 steps, along a narrow valley 20; larger factors leave the valley again and again.
 SMOOTH_STEPS = Steps(most=25, tries=6, less=5.0, more=5.0, bends=True)
-# Where friction holds a mass the likelihood has no bend, and each motion takes ten times as long.
-RUBBED_STEPS = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
+# Where friction holds a mass the likelihood has no bend, and each motion takes ten times as long: first steps are few
+# and large, and only last ones find the way between the kinks.
+RUBBED_FIRST = Steps(most=15, tries=4, less=10.0, more=30.0, bends=False)
+RUBBED_STEPS = Steps(most=25, tries=8, less=5.0, more=5.0, bends=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +82,9 @@ def fitted(start: StructureFit, *, steps: int | None = None, around: Around | No
     least-squares minimization. arXiv:1201.5885.
     """
     fit, damping, refused = start, LEAST_DAMPING, False
-    pace = RUBBED_STEPS if start.structures.kind is ForceKind.FRICTION else SMOOTH_STEPS
+    pace = SMOOTH_STEPS
+    if start.structures.kind is ForceKind.FRICTION:
+        pace = RUBBED_STEPS if steps is None else RUBBED_FIRST
     longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
     for _ in range(pace.most if steps is None else steps):
         at, along = _free(fit.structures)
