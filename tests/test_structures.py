@@ -530,7 +530,7 @@ class TestBegun:
 
     @pytest.mark.parametrize(
         ("cubic", "step", "parts"),
-        [(1000.0, 0.01, [80, 32, 80]), (1000.0, 0.005, [80, 32, 80]), (3000.0, 0.01, [80])],
+        [(2000.0, 0.01, [80, 32, 80]), (4000.0, 0.01, [80, 32, 80]), (2500.0, 0.01, [80])],
     )
     def test_where_something_is_missed_the_beginning_is_fitted_first(
         self, cubic: float, step: float, parts: list[int], monkeypatch: pytest.MonkeyPatch

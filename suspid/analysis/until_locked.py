@@ -70,7 +70,7 @@ def until_locked(
 
 
 def released_and_locked(record: control.TimeResponseData, settings: Settings) -> Used | None:
-    """Return the motion from a release until a channel stops, or two move as one, if modes and friction explain it to its noise.
+    """Return the motion from a release until a channel stops, or two move as one; None where friction explains it not.
 
     It is tried before decays are sought, which takes long where friction is: it leaves no doubt which stretch is meant.
     Fewer than two modes are what is locked.

@@ -10,7 +10,7 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import DrivenFit
-from suspid.identification.nonlinear.equations import followed_on, from_equations
+from suspid.identification.nonlinear.equations import NONE, TOLD, followed_on, from_equations
 from suspid.identification.nonlinear.feedback import Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
@@ -88,18 +88,25 @@ def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: floa
     if not 1 < channels <= most or not leaves_more(strong, record.noise):
         return None
     best: StructureFit | None = None
+    tried = list[StructureFit]()
     for starts in from_equations(record, float(np.min(strong.drive.theta.imag))):
-        for start in starts:
-            likely = start.loss < strong.loss + MORE_AT_FIRST * start.residual.size
-            if likely and steps_of(start.theta, count, ForceKind.FRICTION) <= longest:
-                fit = followed_on(start, reached=highest / start.residual.size)
-                best = fit if best is None or (fit is not None and fit.bic < best.bic) else best
-                if best is not None and explains(best, highest):
-                    return best
+        near = [start for start in starts if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
+        near = [start for start in near if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
+        best, tried = _followed(near, best, highest), [*tried, *near]
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
-        if best is None or best.bic > highest + NEAR * best.residual.size:
+        if best is None or explains(best, highest) or best.bic > highest + NEAR * best.residual.size:
             break
+    if best is not None and not explains(best, highest) and best.bic < highest + NEAR * best.residual.size:
+        best = _followed([start for start in tried if start.forces == best.forces], best, highest, none=NONE)
     return best if best is not None and best.bic < strong.bic else None
+
+
+def _followed(
+    starts: list[StructureFit], best: StructureFit | None, highest: float, none: float = TOLD
+) -> StructureFit | None:
+    """Return the best of the fits near some starts, and of the best so far."""
+    fits = [followed_on(start, reached=highest / start.residual.size, none=none) for start in starts]
+    return min((fit for fit in (best, *fits) if fit is not None), key=lambda fit: fit.bic, default=None)
 
 
 def out_of_reach(record: Record) -> bool:

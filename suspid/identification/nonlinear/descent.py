@@ -18,6 +18,7 @@ from suspid.identification.nonlinear.structure import (
     parameters_of,
     with_parameters,
 )
+from suspid.levels import EXACT
 from suspid.units import RealArray
 
 # Fall of the loss at which a fit ends.
@@ -58,12 +59,15 @@ class Around:
     std: RealArray
 
     @classmethod
-    def of(cls, structures: Structures, *, share: float) -> Around:
-        """Return the parameters of a structure, each known to a share of the largest of its kind."""
+    def of(cls, structures: Structures, *, share: float, none: float) -> Around:
+        """Return the parameters of a structure, each known to a share of the largest of its kind.
+
+        What is zero is so to another share: a force that does nothing to a mass.
+        """
         values, parts = _free(structures)[0], (2 * structures.theta.size, 2 * structures.shapes.size)
         kinds = np.split(values, np.cumsum(parts))
-        largest = [np.full(len(kind), np.max(np.abs(kind), initial=1e-300)) for kind in kinds]
-        return cls(values, share * np.concatenate(largest))
+        largest = np.concatenate([np.full(len(kind), np.max(np.abs(kind), initial=1e-300)) for kind in kinds])
+        return cls(values, np.where(np.abs(values) < EXACT * largest, none, share) * largest)
 
     def apart(self, fit: StructureFit) -> RealArray:
         """Return by how many standard deviations each parameter is off."""
@@ -139,7 +143,7 @@ def _free(of: Structures) -> tuple[RealArray, RealArray]:
 
 def _settled(of: Structures) -> bool:
     """Return whether gains follow from what forces do to the masses: there are as many modes as channels."""
-    return of.theta.shape[1] == of.shapes.shape[2]
+    return bool(of.theta.shape[1] == of.shapes.shape[2])
 
 
 def _slowed(of: Structures) -> RealArray:

@@ -37,6 +37,8 @@ FEWEST_EQUATIONS = 5
 BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
 # What the equations tell of each parameter, as a share of the largest of its kind: short stretches leave some open.
 TOLD = 0.3
+# The same of what friction does to masses at which it does not act: it is none.
+NONE = 0.003
 # Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
 TELLING, LEFT = 1.5, 1.5
 # Widths whose starts are fitted, for each choice of where friction acts.
@@ -68,13 +70,13 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def followed_on(start: StructureFit, *, reached: float) -> StructureFit | None:
+def followed_on(start: StructureFit, *, reached: float, none: float = TOLD) -> StructureFit | None:
     """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps.
 
     None where the friction is not the true one: after some cycles, more is left of a stretch than by a fit that has
-    ``reached`` a loss per sample.
+    ``reached`` a loss per sample. What the equations have as ``none`` is so to this share while the stretch is short.
     """
-    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD)
+    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD, none=none)
     cycle = 2 * np.pi / float(np.min(start.theta.imag))
     count = int(BEGUN * cycle)
     while count < record.values.shape[1]:
