@@ -10,11 +10,11 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
 from suspid.identification.nonlinear.descent import fitted
 from suspid.identification.nonlinear.driven import DrivenFit
-from suspid.identification.nonlinear.equations import NONE, TOLD, followed_on, from_equations
 from suspid.identification.nonlinear.feedback import Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import next_poles, repeated
+from suspid.identification.nonlinear.rubbing import OPEN, by_equations
 from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
 from suspid.identification.nonlinear.starts import beside_single, starts_of, strongest
 from suspid.identification.nonlinear.structure import StructureFit
@@ -32,10 +32,6 @@ WITHIN_REACH = 0.5
 # Where no force was found, a kind of force is fitted only if the loss expected of it is at most this much above the
 # present one, per sample: a fit rarely gains more, and each takes seconds.
 PROMISED_REACH = 1.0
-# Loss per sample by which the first fits from the equations of motion may be above what must be reached.
-NEAR = 1.0
-# Loss per sample by which a start from the equations of motion may be above a linear fit.
-MORE_AT_FIRST = 2.0
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 
@@ -55,7 +51,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         return None
     strong = strongest(record, plain)
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
-    best = _by_equations(record, strong, most=most, highest=highest, longest=rubbed)
+    rub = by_equations(record, strong, most=most, highest=highest, longest=rubbed)
+    best = rub[0] if rub else None
     for start in starts_of(record, strong, bent):
         if _too_long(start.drive.theta, record.values.shape[1]):
             continue
@@ -76,37 +73,9 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
     best = _with_modes(fitted(best), most)
-    return best if best is not None and best.forces and best.bic < highest else None
-
-
-def _by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float, longest: int) -> StructureFit | None:
-    """Return the structure with friction that the equations of motion lead to; None where a linear fit explains more.
-
-    Where a linear fit leaves only noise beside its modes, nothing is tried.
-    """
-    channels, count = record.values.shape
-    if not 1 < channels <= most or not leaves_more(strong, record.noise):
+    if best is None or not best.forces or best.bic >= highest:
         return None
-    best: StructureFit | None = None
-    tried = list[StructureFit]()
-    for starts in from_equations(record, float(np.min(strong.drive.theta.imag))):
-        near = [start for start in starts if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
-        near = [start for start in near if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
-        best, tried = _followed(near, best, highest), [*tried, *near]
-        # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
-        if best is None or explains(best, highest) or best.bic > highest + NEAR * best.residual.size:
-            break
-    if best is not None and not explains(best, highest) and best.bic < highest + NEAR * best.residual.size:
-        best = _followed([start for start in tried if start.forces == best.forces], best, highest, none=NONE)
-    return best if best is not None and best.bic < strong.bic else None
-
-
-def _followed(
-    starts: list[StructureFit], best: StructureFit | None, highest: float, none: float = TOLD
-) -> StructureFit | None:
-    """Return the best of the fits near some starts, and of the best so far."""
-    fits = [followed_on(start, reached=highest / start.residual.size, none=none) for start in starts]
-    return min((fit for fit in (best, *fits) if fit is not None), key=lambda fit: fit.bic, default=None)
+    return replace(best, others=tuple(other for other in rub[1:] if other.bic < best.bic + OPEN))
 
 
 def out_of_reach(record: Record) -> bool:

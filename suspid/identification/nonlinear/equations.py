@@ -13,13 +13,11 @@ Messenger, D. A. and Bortz, D. M. (2021). Weak SINDy for partial differential eq
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import permutations
 
 import numpy as np
 
-from suspid.identification.nonlinear.descent import Around, fitted
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
+from suspid.identification.nonlinear.forces import Force, mean_sign
 from suspid.identification.nonlinear.motion import Structures
 from suspid.identification.nonlinear.structure import StructureFit, evaluated, gains_of
 from suspid.units import ComplexArray, RealArray
@@ -32,15 +30,6 @@ FEWEST_IN_HALF, POWER = 4, 6
 NARROWER = 3
 # Equations for each unknown, at least.
 FEWEST_EQUATIONS = 5
-# Cycles of the slowest mode to which a start is fitted first, how much longer each stretch is than the one before, and
-# the steps of each fit: over more, the phase of a fast mode is lost.
-BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
-# What the equations tell of each parameter, as a share of the largest of its kind: short stretches leave some open.
-TOLD = 0.3
-# The same of what friction does to masses at which it does not act: it is none.
-NONE = 0.003
-# Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
-TELLING, LEFT = 1.5, 1.5
 # Widths whose starts are fitted, for each choice of where friction acts.
 MOST_WIDTHS = 3
 # Damping ratio in place of growth, at first: friction takes what dampers seem to give.
@@ -70,51 +59,19 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def followed_on(start: StructureFit, *, reached: float, none: float = TOLD) -> StructureFit | None:
-    """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps.
+def from_equations(record: Record, places: tuple[tuple[Force, ...], ...], turn: float) -> list[list[StructureFit]]:
+    """Return starts from the equations of displacements with friction at some places, as many modes as channels.
 
-    None where the friction is not the true one: after some cycles, more is left of a stretch than by a fit that has
-    ``reached`` a loss per sample. What the equations have as ``none`` is so to this share while the stretch is short.
-    """
-    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD, none=none)
-    cycle = 2 * np.pi / float(np.min(start.theta.imag))
-    count = int(BEGUN * cycle)
-    while count < record.values.shape[1]:
-        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS, around=around)
-        if count > TELLING * cycle and fit.loss > (reached + LEFT) * fit.residual.size:
-            return None
-        count = int(STRETCHED * count) + 1
-    return fitted(fit.with_record(record), steps=STEPS)
-
-
-def from_equations(record: Record, turn: float) -> list[list[StructureFit]]:
-    """Return starts from the equations of displacements with friction, as many modes as channels.
-
-    Friction acts against the ground, or in the struts of a chain, in any order. The first starts are the likeliest of
-    each, then the next ones. The slowest mode turns by about ``turn`` from sample to sample [rad].
+    The first starts are the likeliest of each, then the next ones. The slowest mode turns by about ``turn`` from sample
+    to sample [rad].
     """
     period, found = 2 * np.pi / turn, [list[StructureFit]() for _ in range(MOST_WIDTHS)]
     halves = dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS)
-    for forces in rubbing(len(record.values)):
+    for forces in places:
         starts = (start for half in halves if (start := _start(record, forces, half)) is not None)
         for rank, start in zip(found, sorted(starts, key=lambda start: start.loss), strict=False):
             rank.append(start)
     return [sorted(rank, key=lambda start: start.loss) for rank in found]
-
-
-def rubbing(channels: int) -> tuple[tuple[Force, ...], ...]:
-    """Return where friction may act: at each mass against the ground, or in the struts of a chain, in any order.
-
-    Examples
-    --------
-    >>> [[(force.channel, force.other) for force in forces] for forces in rubbing(2)]
-    [[(0, None), (1, None)], [(0, None), (1, 0)], [(1, None), (0, 1)]]
-    """
-    chains = [
-        tuple(Force(kind=ForceKind.FRICTION, channel=c, other=o) for c, o in zip(chain, (None, *chain), strict=False))
-        for chain in permutations(range(channels))
-    ]
-    return (forces_of(ForceKind.FRICTION, channels, most=channels), *chains)
 
 
 def _start(record: Record, forces: tuple[Force, ...], half: int) -> StructureFit | None:

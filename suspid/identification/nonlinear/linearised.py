@@ -140,14 +140,27 @@ def _with_windows(
     """Return the modes with what other choices do to each pole in its covariance.
 
     The stretch may start half a period of the slowest mode later, or end a fifth earlier. For the slowest mode, the
-    decrement and the frequency of its motion may be taken instead of the poles of equivalent linear systems.
+    decrement and the frequency of its motion may be taken instead of the poles of equivalent linear systems. Friction
+    may act elsewhere.
     """
     half = min(int(np.pi / float(np.min(fit.theta.imag))), count // 2)
     means = [
         mean_poles(fit, fit.structures, fit.motion, window)[0]
         for window in (slice(half, count), slice(0, count - count // 5))
     ]
-    return with_changes(modes, [(others - exponents)[order] / step for others in (*means, _decrement(fit, exponents))])
+    means += [_decrement(fit, exponents), *_elsewhere(fit, exponents)]
+    return with_changes(modes, [(others - exponents)[order] / step for others in means])
+
+
+def _elsewhere(fit: StructureFit, exponents: ComplexArray) -> list[ComplexArray]:
+    """Return the exponents, (pole,), if friction acts elsewhere, where a record does not tell."""
+    found, order = list[ComplexArray](), np.argsort(np.abs(exponents))
+    for other in fit.others:
+        poles = mean_poles(other, other.structures, other.motion)[0]
+        if len(poles) == len(exponents):
+            found.append(np.empty_like(exponents))
+            found[-1][order] = poles[np.argsort(np.abs(poles))]
+    return found
 
 
 def _decrement(fit: StructureFit, exponents: ComplexArray) -> ComplexArray:

@@ -92,7 +92,9 @@ class Means:
         if whole.bic > self.whole_highest + WITHIN_REACH * whole.residual.size:
             return None
         whole = fitted(whole)
-        return whole if whole.bic < self.whole_highest and np.all(stands(whole)) else None
+        if whole.bic >= self.whole_highest or not np.all(stands(whole)):
+            return None
+        return replace(whole, others=tuple(at_full_rate(other, self.whole, self.factor) for other in best.others))
 
 
 def _highest(bic: float, found: Bent | None) -> float:

@@ -52,6 +52,7 @@ class StructureFit:
     motion: Motion
     residual: RealArray  # (channel, sample)
     nearby: Nearby
+    others: tuple[StructureFit, ...] = ()  # with friction elsewhere, which the record does not rule out
 
     @property
     def theta(self) -> ComplexArray:

@@ -1,0 +1,102 @@
+"""Where friction acts: against the ground or in the struts of a chain, by fits from the equations of motion."""
+
+from __future__ import annotations
+
+from itertools import permutations
+
+import numpy as np
+
+from suspid.identification.nonlinear.descent import Around, fitted
+from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.equations import from_equations
+from suspid.identification.nonlinear.feedback import Record
+from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of
+from suspid.identification.nonlinear.motion import steps_of
+from suspid.identification.nonlinear.standing import explains, leaves_more, misses
+from suspid.identification.nonlinear.structure import StructureFit
+
+# Cycles of the slowest mode to which a start is fitted first, how much longer each stretch is than the one before, and
+# the steps of each fit: over more, the phase of a fast mode is lost.
+BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
+# What the equations tell of each parameter, as a share of the largest of its kind: short stretches leave some open.
+TOLD = 0.3
+# The same of what friction does to masses at which it does not act: it is none.
+NONE = 0.003
+# Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
+TELLING, LEFT = 1.5, 1.5
+# Loss per sample by which the first fits from the equations of motion may be above what must be reached.
+NEAR = 1.0
+# Loss per sample by which a start from the equations of motion may be above a linear fit.
+MORE_AT_FIRST = 2.0
+# BIC above the best one up to which friction elsewhere is not ruled out, if it leaves only noise: the steps of encoders
+# are not the noise that it is made for.
+OPEN = 50.0
+
+
+def rubbing(channels: int) -> tuple[tuple[Force, ...], ...]:
+    """Return where friction may act: at each mass against the ground, or in the struts of a chain, in any order.
+
+    Examples
+    --------
+    >>> [[(force.channel, force.other) for force in forces] for forces in rubbing(2)]
+    [[(0, None), (1, None)], [(0, None), (1, 0)], [(1, None), (0, 1)]]
+    """
+    chains = [
+        tuple(Force(kind=ForceKind.FRICTION, channel=c, other=o) for c, o in zip(chain, (None, *chain), strict=False))
+        for chain in permutations(range(channels))
+    ]
+    return (forces_of(ForceKind.FRICTION, channels, most=channels), *chains)
+
+
+def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float, longest: int) -> list[StructureFit]:
+    """Return the structures with friction that the equations of motion lead to: the best one, then others.
+
+    Those have friction elsewhere and leave only noise. There are none where a linear fit explains more, or leaves only
+    noise beside its modes.
+    """
+    channels, count = record.values.shape
+    if not 1 < channels <= most or not leaves_more(strong, record.noise):
+        return []
+    fits, starts = list[StructureFit](), list[StructureFit]()
+    for rank in from_equations(record, rubbing(channels), float(np.min(strong.drive.theta.imag))):
+        likely = [start for start in rank if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
+        likely = [start for start in likely if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
+        fits, starts = _with_fits(fits, likely, highest), [*starts, *likely]
+        # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
+        if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
+            break
+    if fits and not explains(fits[0], highest) and _near(fits[0], highest):
+        fits = _with_fits(fits, [start for start in starts if start.forces == fits[0].forces], highest, none=NONE)
+    if not fits or fits[0].bic >= strong.bic:
+        return []
+    elsewhere = {fit.forces: fit for fit in reversed(fits) if fit.forces != fits[0].forces and not misses(fit)}
+    return [fits[0], *(fitted(fit) for fit in elsewhere.values())]
+
+
+def _near(fit: StructureFit, highest: float) -> bool:
+    return fit.bic < highest + NEAR * fit.residual.size
+
+
+def _with_fits(
+    fits: list[StructureFit], starts: list[StructureFit], highest: float, none: float = TOLD
+) -> list[StructureFit]:
+    """Return fits and those near some starts, the best one first."""
+    found = (followed_on(start, reached=highest / start.residual.size, none=none) for start in starts)
+    return sorted([*fits, *(fit for fit in found if fit is not None)], key=lambda fit: fit.bic)
+
+
+def followed_on(start: StructureFit, *, reached: float, none: float = TOLD) -> StructureFit | None:
+    """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps.
+
+    None where the friction is not the true one: after some cycles, more is left of a stretch than by a fit that has
+    ``reached`` a loss per sample. What the equations have as ``none`` is so to this share while the stretch is short.
+    """
+    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD, none=none)
+    cycle = 2 * np.pi / float(np.min(start.theta.imag))
+    count = int(BEGUN * cycle)
+    while count < record.values.shape[1]:
+        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS, around=around)
+        if count > TELLING * cycle and fit.loss > (reached + LEFT) * fit.residual.size:
+            return None
+        count = int(STRETCHED * count) + 1
+    return fitted(fit.with_record(record), steps=STEPS)

@@ -1,0 +1,175 @@
+"""Friction in struts and against the ground: equations of motion, and where it acts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from suspid import identify
+from suspid.identification.covariance import with_changes
+from suspid.identification.noise import WhiteNoise
+from suspid.identification.nonlinear import choice
+from suspid.identification.nonlinear.descent import Around, _free, _placed, fitted
+from suspid.identification.nonlinear.driven import DrivenFit, maximize
+from suspid.identification.nonlinear.equations import _signs, equations_of, from_equations
+from suspid.identification.nonlinear.feedback import Record
+from suspid.identification.nonlinear.rubbing import by_equations, followed_on, rubbing
+from suspid.identification.nonlinear.structure import StructureFit, jumps_of, parameters_of
+from suspid.model import ModalSet
+from suspid.records import as_response
+from validation import rigs
+
+Real = NDArray[np.float64]
+
+STEP = 1 / 400
+# Both masses slide against each other for 9 cycles of the slower mode.
+RIG = rigs.Rig(
+    mass=np.array([2.0, 1.0]),
+    stiffness=np.array([3000.0, 2000.0]),
+    damping=np.array([1.5, 1.0]),
+    friction=np.array([0.4, 0.8]),
+    cubic=np.zeros(2),
+    struts=True,
+)
+HELD = np.array([0.03, 0.06])
+GROUND, STRUTS, TURNED = rubbing(2)
+
+
+def moved(rig: rigs.Rig, count: int = 400) -> Real:
+    return rigs.released(rig, HELD, STEP * np.arange(count)).position[:, 1:]
+
+
+def record_of(rig: rigs.Rig, *, noise: float = 2e-5) -> tuple[Record, DrivenFit]:
+    """Return a record of the motion in noise, and a linear fit with two modes."""
+    values = moved(rig)
+    values = values - values.mean(axis=1, keepdims=True)
+    values = values + noise * np.random.default_rng(3).standard_normal(values.shape)
+    record = Record(
+        values=values,
+        noise=WhiteNoise(least=np.full(2, 1e-14)),
+        theta=np.zeros(0, complex),
+        amplitudes=np.zeros((0, 2), complex),
+        nuisances=np.zeros(1),
+    )
+    start = record.empty()
+    for wn in rig.wn:
+        start = start.with_pole(complex(-0.03 + 1j) * wn * STEP)
+    plain = maximize(values, start, record.noise, steps=10)
+    assert plain is not None
+    return record, plain
+
+
+class TestEquations:
+    def test_are_those_of_the_rig(self) -> None:
+        """Newton's law: what was not told is regressed on the motion."""
+        values, half = moved(RIG), 12
+        signs, _ = _signs(values, STRUTS, half)
+        found = equations_of(values, signs, STRUTS, half)
+        assert found is not None
+        inverse, links = np.diag(1 / RIG.mass), RIG.links
+        stiffness = inverse @ links.T @ np.diag(RIG.stiffness) @ links * STEP**2
+        slowed = inverse @ links.T @ np.diag(RIG.friction) * STEP**2
+        assert found.stiffness == pytest.approx(stiffness, rel=0.03)
+        assert found.slowed == pytest.approx(slowed, rel=0.15, abs=0.02 * np.max(np.abs(slowed)))
+
+    def test_starts_have_the_modes_and_begin_where_the_motion_does(self) -> None:
+        record, _ = record_of(RIG)
+        first = from_equations(record, (STRUTS,), float(RIG.wn[0]) * STEP)[0][0]
+        assert np.abs(first.theta) == pytest.approx(RIG.wn * STEP, rel=0.02)
+        left = np.sqrt(np.mean(first.residual**2, axis=1))
+        assert np.all(left < 0.1 * np.std(record.values, axis=1))
+
+    def test_none_of_too_few_samples(self) -> None:
+        values = moved(RIG, 55)
+        signs, _ = _signs(values, STRUTS, 10)
+        assert equations_of(values, signs, STRUTS, 10) is None
+
+
+class TestWhereFrictionActs:
+    @pytest.mark.parametrize(("struts", "where"), [(True, STRUTS), (False, GROUND)])
+    def test_is_told(self, struts: bool, where: tuple[object, ...]) -> None:
+        record, plain = record_of(replace(RIG, struts=struts))
+        best, *others = by_equations(record, plain, most=6, highest=plain.bic - 1000, longest=3000)
+        assert best.forces == where
+        assert np.abs(fitted(best).theta) == pytest.approx(RIG.wn * STEP, rel=1e-3)
+        assert all(other.bic > best.bic + 50 for other in others)
+
+    def test_the_mass_above_may_be_the_first_channel(self) -> None:
+        record, plain = record_of(RIG)
+        other = replace(record, values=record.values[::-1])
+        turned = maximize(other.values, plain.drive, other.noise, steps=5)
+        assert turned is not None
+        assert by_equations(other, turned, most=6, highest=turned.bic - 1000, longest=3000)[0].forces == TURNED
+
+    def test_where_it_does_not_a_fit_is_left(self) -> None:
+        record, plain = record_of(RIG)
+        turn = float(RIG.wn[0]) * STEP
+        best = by_equations(record, plain, most=6, highest=plain.bic - 1000, longest=3000)[0]
+        reached = best.loss / best.residual.size
+        assert followed_on(from_equations(record, (GROUND,), turn)[0][0], reached=reached) is None
+        assert followed_on(from_equations(record, (STRUTS,), turn)[0][0], reached=reached) is not None
+
+    def test_nothing_is_tried_where_a_linear_fit_leaves_noise(self) -> None:
+        record, plain = record_of(replace(RIG, friction=np.zeros(2)))
+        assert by_equations(record, plain, most=6, highest=plain.bic, longest=3000) == []
+
+    def test_nor_where_fewer_modes_are_asked_for(self) -> None:
+        record, plain = record_of(RIG)
+        assert by_equations(record, plain, most=1, highest=plain.bic, longest=3000) == []
+
+
+def test_where_a_record_does_not_tell_where_friction_acts_intervals_hold_both() -> None:
+    """Three cycles in steps of a seventieth of the motion: two places explain them as well."""
+    record = rigs.release(rigs.IN_STRUTS, 2, seed=920_069)
+    moves = (record.stamps > record.start + 0.004) & (record.stamps < record.stuck - 0.002)
+    time = np.linspace(record.stamps[0], record.stamps[-1], len(record.stamps))[moves]
+    found = identify(as_response(time, record.position[:, moves], ["x1", "x2"]))
+    truth = record.rig.wn / record.pace
+    assert found.modes.wn_std is not None
+    assert len(found.modes) == 2
+    assert np.all(np.abs(found.modes.wn - truth) < 2.5 * found.modes.wn_std)
+
+
+class TestFit:
+    def start(self) -> StructureFit:
+        record, _ = record_of(RIG)
+        return from_equations(record, (STRUTS,), float(RIG.wn[0]) * STEP)[0][0]
+
+    def test_no_force_moves_a_mass_at_once(self) -> None:
+        fit = fitted(self.start())
+        assert np.max(np.abs(jumps_of(fit.structures))) < 1e-12 * np.max(np.abs(fit.structures.shapes))
+
+    def test_derivatives_are_those_of_small_steps(self) -> None:
+        of = self.start().structures
+        at, along = _free(of)
+        for k in range(len(at)):
+            step = 1e-4 * (abs(at[k]) + 1e-3 * np.max(np.abs(at)))
+            apart = [parameters_of(_placed(of, (at + side * step * np.eye(len(at))[k])[None]))[0] for side in (1, -1)]
+            assert along[k] == pytest.approx((apart[0] - apart[1]) / (2 * step), rel=1e-4, abs=1e-6 * np.max(along[k]))
+
+    def test_stays_around_what_is_known(self) -> None:
+        start = self.start()
+        near = fitted(start, around=Around.of(start.structures, share=1e-9, none=1e-9))
+        assert near.theta == pytest.approx(start.theta, rel=1e-6)
+        free = fitted(start)
+        assert np.max(np.abs(free.theta - start.theta)) > 1e-3 * np.max(np.abs(start.theta))
+
+
+def test_damping_that_depends_on_the_choice_of_a_stretch_leaves_the_frequency_known() -> None:
+    """The poles lie on a circle about zero, not on its tangent."""
+    pole = 10 * np.exp(1j * np.arccos(-0.4))
+    other = 10 * np.exp(1j * np.arccos(-0.1))
+    modes = ModalSet(poles=np.array([pole]), shapes=np.ones((1, 1), complex), covariance=1e-18 * np.eye(4))
+    both = with_changes(modes, [np.array([other - pole])])
+    assert both.wn_std is not None
+    assert both.zeta_std is not None
+    assert both.wn_std[0] == pytest.approx(0.0, abs=1e-8)
+    assert both.zeta_std[0] == pytest.approx(0.3)
+
+
+def test_a_linear_fit_stays_where_friction_explains_less(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Structures that are found lead nowhere where a linear fit explains more."""
+    monkeypatch.setattr(choice, "by_equations", lambda *_, **__: [])
+    record, plain = record_of(replace(RIG, friction=np.zeros(2)))
+    assert choice.chosen(record, plain, None, most=6, highest=plain.bic) is None
