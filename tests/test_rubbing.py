@@ -160,11 +160,11 @@ def test_damping_that_depends_on_the_choice_of_a_stretch_leaves_the_frequency_kn
     """The poles lie on a circle about zero, not on its tangent."""
     pole = 10 * np.exp(1j * np.arccos(-0.4))
     other = 10 * np.exp(1j * np.arccos(-0.1))
-    modes = ModalSet(poles=np.array([pole]), shapes=np.ones((1, 1), complex), covariance=1e-18 * np.eye(4))
+    modes = ModalSet(poles=np.array([pole]), shapes=np.ones((1, 1), complex), covariance=1e-8 * np.eye(4))
     both = with_changes(modes, [np.array([other - pole])])
     assert both.wn_std is not None
     assert both.zeta_std is not None
-    assert both.wn_std[0] == pytest.approx(0.0, abs=1e-8)
+    assert both.wn_std[0] == pytest.approx(0.0, abs=2e-4)
     assert both.zeta_std[0] == pytest.approx(0.3)
 
 
