@@ -14,7 +14,7 @@ from suspid.identification.nonlinear.feedback import Bent, Record, added
 from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import next_poles, repeated
-from suspid.identification.nonlinear.rubbing import OPEN, by_equations
+from suspid.identification.nonlinear.rubbing import NOT_RULED_OUT, by_equations
 from suspid.identification.nonlinear.standing import explains, leaves_more, stands, worths_of
 from suspid.identification.nonlinear.starts import beside_single, starts_of, strongest
 from suspid.identification.nonlinear.structure import StructureFit
@@ -75,7 +75,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     best = _with_modes(fitted(best), most)
     if best is None or not best.forces or best.bic >= highest:
         return None
-    return replace(best, others=tuple(other for other in rub[1:] if other.bic < best.bic + OPEN))
+    return replace(best, others=tuple(other for other in rub[1:] if other.bic < best.bic + NOT_RULED_OUT))
 
 
 def out_of_reach(record: Record) -> bool:

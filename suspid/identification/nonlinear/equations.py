@@ -25,7 +25,7 @@ from suspid.units import ComplexArray, RealArray
 # Half the widths of the weights, in periods of the slowest mode: narrow ones show fast modes, wide ones hide noise.
 WIDTHS = (0.03, 0.06, 0.1, 0.17, 0.3)
 # Samples in half a weight at least, and its power of 1 - t^2: its first derivatives are smooth.
-FEWEST_IN_HALF, POWER = 4, 6
+FEWEST_IN_HALF, WEIGHT_POWER = 4, 6
 # Speeds are weighted over less: their signs turn at once.
 NARROWER = 3
 # Equations for each unknown, at least.
@@ -33,7 +33,7 @@ FEWEST_EQUATIONS = 5
 # Widths whose starts are fitted, for each choice of where friction acts.
 MOST_WIDTHS = 3
 # Damping ratio in place of growth, at first: friction takes what dampers seem to give.
-LIGHT = 0.01
+LIGHTLY = 0.01
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -55,7 +55,7 @@ class Equations:
             return None
         turning = turning[np.argsort(np.abs(values[turning]))]
         theta = values[turning]
-        light = np.where(theta.real < 0, theta.real, -LIGHT * np.abs(theta))
+        light = np.where(theta.real < 0, theta.real, -LIGHTLY * np.abs(theta))
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
@@ -128,10 +128,12 @@ def _weights(half: int) -> RealArray:
     """Return a weight of sum 1, and weights that give speeds and accelerations, (derivative, sample)."""
     t = np.arange(-half, half + 1) / (half + 1)
     base = 1 - t**2
-    first = 2 * POWER * t * base ** (POWER - 1)
-    second = 4 * POWER * (POWER - 1) * t**2 * base ** (POWER - 2) - 2 * POWER * base ** (POWER - 1)
-    total = np.sum(base**POWER)
-    return np.asarray(np.stack([base**POWER, first / (half + 1), second / (half + 1) ** 2]) / total)
+    first = 2 * WEIGHT_POWER * t * base ** (WEIGHT_POWER - 1)
+    second = 4 * WEIGHT_POWER * (WEIGHT_POWER - 1) * t**2 * base ** (WEIGHT_POWER - 2) - 2 * WEIGHT_POWER * base ** (
+        WEIGHT_POWER - 1
+    )
+    total = np.sum(base**WEIGHT_POWER)
+    return np.asarray(np.stack([base**WEIGHT_POWER, first / (half + 1), second / (half + 1) ** 2]) / total)
 
 
 def _weighted(values: RealArray, weight: RealArray) -> RealArray:

@@ -17,20 +17,20 @@ from suspid.identification.nonlinear.structure import StructureFit
 
 # Cycles of the slowest mode to which a start is fitted first, how much longer each stretch is than the one before, and
 # the steps of each fit: over more, the phase of a fast mode is lost.
-BEGUN, STRETCHED, STEPS = 0.5, 1.4, 8
+FITTED_FIRST, GROWTH, STEPS_EACH = 0.5, 1.4, 8
 # What the equations tell of each parameter, as a share of the largest of its kind: short stretches leave some open.
-TOLD = 0.3
+TOLD_BY_EQUATIONS = 0.3
 # The same of what friction does to masses at which it does not act: it is none.
-NONE = 0.003
+NOT_AT_ALL = 0.003
 # Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
-TELLING, LEFT = 1.5, 1.5
+TELLING_CYCLES, LEFT_OVER = 1.5, 1.5
 # Loss per sample by which the first fits from the equations of motion may be above what must be reached.
-NEAR = 1.0
+LEADS_NEAR = 1.0
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
 # BIC above the best one up to which friction elsewhere is not ruled out, if it leaves only noise: the steps of encoders
 # are not the noise that it is made for.
-OPEN = 50.0
+NOT_RULED_OUT = 50.0
 
 
 def rubbing(channels: int) -> tuple[tuple[Force, ...], ...]:
@@ -66,7 +66,7 @@ def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float
         if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
             break
     if fits and not explains(fits[0], highest) and _near(fits[0], highest):
-        fits = _with_fits(fits, [start for start in starts if start.forces == fits[0].forces], highest, none=NONE)
+        fits = _with_fits(fits, [start for start in starts if start.forces == fits[0].forces], highest, none=NOT_AT_ALL)
     if not fits or fits[0].bic >= strong.bic:
         return []
     elsewhere = {fit.forces: fit for fit in reversed(fits) if fit.forces != fits[0].forces and not misses(fit)}
@@ -74,29 +74,29 @@ def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float
 
 
 def _near(fit: StructureFit, highest: float) -> bool:
-    return fit.bic < highest + NEAR * fit.residual.size
+    return fit.bic < highest + LEADS_NEAR * fit.residual.size
 
 
 def _with_fits(
-    fits: list[StructureFit], starts: list[StructureFit], highest: float, none: float = TOLD
+    fits: list[StructureFit], starts: list[StructureFit], highest: float, none: float = TOLD_BY_EQUATIONS
 ) -> list[StructureFit]:
     """Return fits and those near some starts, the best one first."""
     found = (followed_on(start, reached=highest / start.residual.size, none=none) for start in starts)
     return sorted([*fits, *(fit for fit in found if fit is not None)], key=lambda fit: fit.bic)
 
 
-def followed_on(start: StructureFit, *, reached: float, none: float = TOLD) -> StructureFit | None:
+def followed_on(start: StructureFit, *, reached: float, none: float = TOLD_BY_EQUATIONS) -> StructureFit | None:
     """Return the fit near a start to the first half of a cycle of its slowest mode, followed on to the end in steps.
 
     None where the friction is not the true one: after some cycles, more is left of a stretch than by a fit that has
     ``reached`` a loss per sample. What the equations have as ``none`` is so to this share while the stretch is short.
     """
-    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD, none=none)
+    record, fit, around = start.record, start, Around.of(start.structures, share=TOLD_BY_EQUATIONS, none=none)
     cycle = 2 * np.pi / float(np.min(start.theta.imag))
-    count = int(BEGUN * cycle)
+    count = int(FITTED_FIRST * cycle)
     while count < record.values.shape[1]:
-        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS, around=around)
-        if count > TELLING * cycle and fit.loss > (reached + LEFT) * fit.residual.size:
+        fit = fitted(fit.with_record(record.begun(count)), steps=STEPS_EACH, around=around)
+        if count > TELLING_CYCLES * cycle and fit.loss > (reached + LEFT_OVER) * fit.residual.size:
             return None
-        count = int(STRETCHED * count) + 1
-    return fitted(fit.with_record(record), steps=STEPS)
+        count = int(GROWTH * count) + 1
+    return fitted(fit.with_record(record), steps=STEPS_EACH)
