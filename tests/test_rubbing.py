@@ -37,7 +37,8 @@ GROUND, STRUTS, TURNED = rubbing(2)
 
 
 def moved(rig: rigs.Rig, count: int = 400) -> Real:
-    return rigs.released(rig, HELD, STEP * np.arange(count)).position[:, 1:]
+    timepts = np.asarray(STEP * np.arange(count), float)
+    return rigs.released(rig, HELD, timepts).position[:, 1:]
 
 
 def record_of(rig: rigs.Rig, *, noise: float = 2e-5) -> tuple[Record, DrivenFit]:

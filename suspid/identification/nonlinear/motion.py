@@ -104,9 +104,13 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
     states = np.empty((*z.shape, total + 1), complex)
     acting = np.zeros((len(z), len(of.forces), total + 1))
     states[:, :, 0], done = z, 0
+    holds = False
     while done < total:
-        ahead, signs, taken = stepper.sliding(z)
-        taken = min(taken, total - done)
+        # What is held mostly stays so.
+        taken = 0
+        if not holds:
+            ahead, signs, taken = stepper.sliding(z)
+            taken = min(taken, total - done)
         if taken:
             states[:, :, done + 1 : done + taken + 1] = ahead[:, :, :taken]
             acting[:, :, done : done + taken] = signs[:, :, None]
@@ -114,6 +118,7 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
         # Then a mass stops, is held or breaks loose.
         if done < total:
             z, acting[:, :, done] = stepper.after(z, acting[:, :, max(done - 1, 0)])
+            holds = bool(np.any(np.abs(acting[:, :, done]) < 1))
             done += 1
             states[:, :, done] = z
     acting[:, :, -1] = acting[:, :, max(total - 1, 0)]

@@ -28,6 +28,8 @@ TELLING_CYCLES, LEFT_OVER = 1.5, 1.5
 LEADS_NEAR = 1.0
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
+# Places of friction that are tried, the likeliest: three masses may stand in six orders.
+MOST_PLACES = 3
 # BIC above the best one up to which friction elsewhere is not ruled out, if it leaves only noise: the steps of encoders
 # are not the noise that it is made for.
 NOT_RULED_OUT = 50.0
@@ -61,6 +63,7 @@ def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float
     for rank in from_equations(record, rubbing(channels), float(np.min(strong.drive.theta.imag))):
         likely = [start for start in rank if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
         likely = [start for start in likely if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
+        likely = likely[:MOST_PLACES]
         fits, starts = _with_fits(fits, likely, highest), [*starts, *likely]
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
         if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
