@@ -3,15 +3,18 @@
 from dataclasses import replace
 from pathlib import Path
 
+import control
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from suspid import Settings, analyse, as_record, identify
-from suspid.analysis.until_locked import _stops, after_lock, until_locked
+from suspid.analysis import stretch
+from suspid.analysis.until_locked import _goes_on, _stops, after_lock, released_and_locked, until_locked
 from suspid.analysis.used import Used
+from suspid.identification import identify_linear
 from suspid.model import ModalSet
-from suspid.records import as_response, cut
+from suspid.records import as_response, cut, of_channels
 from suspid.signals import as_signal
 from suspid.words import Level, Note, Remark
 
@@ -137,12 +140,57 @@ class TestAfterLock:
         assert "'hub' and 'frame' move as one from 0.2 s on" in str(late.verdict)
 
 
-@pytest.mark.slow
-def test_both_modes_are_found_by_the_first_command(rig: tuple[Real, Real, Real], tmp_path: Path) -> None:
+def test_both_modes_are_found_by_the_first_command(
+    rig: tuple[Real, Real, Real], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the release to the lock, before any search for decays."""
+
+    def never(*_: object) -> None:
+        raise AssertionError("decays were sought")
+
+    monkeypatch.setattr(stretch, "find_decays", never)
     time, position, wn = rig
     found = analyse(written(tmp_path / "rig.csv", time, position, "time [s],x1 [m],x2 [m]"))
     assert found.modes.wn == pytest.approx(wn, rel=0.01)
     assert Note.UNTIL_LOCKED in {note.code for note in found.notes}
+    assert found.verdict.level is Level.CARE
+
+
+class TestReleasedAndLocked:
+    def record(self, rig: tuple[Real, Real, Real]) -> control.TimeResponseData:
+        time, position, _ = rig
+        return as_response(time, position, ["x1 [m]", "x2 [m]"])
+
+    def test_nothing_else_is_used_where_more_is_asked_for(self, rig: tuple[Real, Real, Real]) -> None:
+        assert released_and_locked(self.record(rig), Settings()) is not None
+        for settings in (Settings(modes=2), Settings(band_hz=(1, 20)), Settings(method="ridge")):
+            assert released_and_locked(self.record(rig), settings) is None
+
+    def test_a_linear_decay_is_left_to_the_search(self) -> None:
+        """Held, let go, its fast mode dies early: two channels move as one, and no friction is needed for that."""
+        time = np.arange(2000) / 500
+        after = np.maximum(time - 0.3, 0.0)
+        slow, fast = np.exp(-0.4 * after) * np.cos(9 * after), np.exp(-4 * after) * np.cos(60 * after)
+        values = 1e-3 * np.round(1e3 * np.stack([slow + fast, slow - fast]))
+        record = as_response(time, values, ["a", "b"])
+        assert min(_stops(as_signal(record)))[0] < 1500
+        assert released_and_locked(record, Settings()) is None
+
+    def test_one_channel_tells_nothing(self, rig: tuple[Real, Real, Real]) -> None:
+        assert released_and_locked(of_channels(self.record(rig), ["x2 [m]"]), Settings()) is None
+
+    def test_linear_modes_that_go_on_beyond_the_lock_make_way(self, rig: tuple[Real, Real, Real]) -> None:
+        record = self.record(rig)
+        late = cut(record, start=0.51)
+        beyond = replace(identify_linear(late), forces=())
+        used = until_locked(record, Used(record=late, decays=(), used=(), notes=()), beyond, Settings())
+        assert used is not None
+        assert used.identification is not None
+        assert used.identification.modes.wn == pytest.approx(rig[2], rel=0.01)
+        # Friction explains what is locked, too.
+        rubs = replace(beyond, forces=used.identification.forces)
+        assert not _goes_on(rubs, Used(record=late, decays=(), used=(), notes=()), 1.8)
+        assert _goes_on(beyond, Used(record=late, decays=(), used=(), notes=()), 1.8)
 
 
 class TestStops:

@@ -54,7 +54,7 @@ def until_locked(
         return None
     locked = _time(signal, last)
     before = used.start < locked - _quarter(found.modes)
-    both = before and float(used.timepts[-1]) > locked + _quarter(found.modes) and not _rubs(found)
+    both = before and _goes_on(found, stretch, locked)
     if settled(found) and before and not both:
         return None
     clear = before and not both and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
@@ -88,6 +88,11 @@ def released_and_locked(record: control.TimeResponseData, settings: Settings) ->
                     record=part, decays=(), used=(), notes=(part_used(part, Note.UNTIL_LOCKED),), identification=moved
                 )
     return None
+
+
+def _goes_on(found: Identification, stretch: Used, locked: Second) -> bool:
+    """Return whether a stretch goes on beyond a lock, without friction that would explain that."""
+    return float(as_signal(stretch.record).timepts[-1]) > locked + _quarter(found.modes) and not _rubs(found)
 
 
 def _rubs(found: Identification) -> bool:

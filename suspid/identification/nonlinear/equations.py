@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import Force, mean_sign
+from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
 from suspid.identification.nonlinear.motion import Structures
 from suspid.identification.nonlinear.structure import StructureFit, evaluated, gains_of
 from suspid.units import ComplexArray, RealArray
@@ -59,19 +59,53 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def from_equations(record: Record, places: tuple[tuple[Force, ...], ...], turn: float) -> list[list[StructureFit]]:
-    """Return starts from the equations of displacements with friction at some places, as many modes as channels.
+def from_equations(record: Record, turn: float) -> list[list[StructureFit]]:
+    """Return starts from the equations of displacements with friction, as many modes as channels.
 
-    The first starts are the likeliest of each, then the next ones. The slowest mode turns by about ``turn`` from sample
-    to sample [rad].
+    The first starts are the likeliest of each place of friction (see `rubbing`), then the next ones. The slowest mode
+    turns by about ``turn`` from sample to sample [rad].
     """
-    period, found = 2 * np.pi / turn, [list[StructureFit]() for _ in range(MOST_WIDTHS)]
-    halves = dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS)
-    for forces in places:
-        starts = (start for half in halves if (start := _start(record, forces, half)) is not None)
-        for rank, start in zip(found, sorted(starts, key=lambda start: start.loss), strict=False):
-            rank.append(start)
-    return [sorted(rank, key=lambda start: start.loss) for rank in found]
+    period, values = 2 * np.pi / turn, record.values
+    halves = list(dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS))
+    ground = forces_of(ForceKind.FRICTION, len(values), most=len(values))
+    first = _starts(record, ground, halves)
+    if not first:
+        return []
+    half = min(first, key=lambda half: first[half].loss)
+    equations = equations_of(values, _signs(values, ground, half)[0], ground, half)
+    chains = rubbing(equations.stiffness) if equations is not None else ()
+    found = [first, *(_starts(record, chain, halves) for chain in chains)]
+    ranks = [sorted(starts.values(), key=lambda start: start.loss) for starts in found]
+    return [sorted((each[k] for each in ranks if k < len(each)), key=lambda s: s.loss) for k in range(MOST_WIDTHS)]
+
+
+def rubbing(stiffness: RealArray) -> tuple[tuple[Force, ...], ...]:
+    """Return where friction acts in the struts of a chain: each channel may be the mass on the ground.
+
+    From there on the chain goes to the mass that is coupled most, (channel, channel) stiffness over masses. That on
+    which the ground acts most comes first.
+
+    Examples
+    --------
+    >>> [[(force.channel, force.other) for force in forces] for forces in rubbing(np.array([[5.0, -2.0], [-3.0, 3.0]]))]
+    [[(0, None), (1, 0)], [(1, None), (0, 1)]]
+    """
+    coupled = np.abs(stiffness * stiffness.T)
+    chains = list[tuple[Force, ...]]()
+    for lower in np.argsort(-np.sum(stiffness, axis=1)).tolist():
+        chain, left = [lower], set(range(len(stiffness))) - {lower}
+        while left:
+            chain.append(max(left, key=lambda other: (coupled[chain[-1], other], -other)))
+            left.remove(chain[-1])
+        links = zip(chain, (None, *chain), strict=False)
+        chains.append(tuple(Force(kind=ForceKind.FRICTION, channel=c, other=below) for c, below in links))
+    return tuple(chains)
+
+
+def _starts(record: Record, forces: tuple[Force, ...], halves: list[int]) -> dict[int, StructureFit]:
+    """Return starts with friction at a place by half the widths of the weights, where there are some."""
+    starts = {half: _start(record, forces, half) for half in halves}
+    return {half: start for half, start in starts.items() if start is not None}
 
 
 def _start(record: Record, forces: tuple[Force, ...], half: int) -> StructureFit | None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import permutations
-
 import numpy as np
 
 from suspid.identification.nonlinear.descent import Around, fitted
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.equations import from_equations
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of
+from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import steps_of
 from suspid.identification.nonlinear.standing import explains, leaves_more, misses
 from suspid.identification.nonlinear.structure import StructureFit
@@ -28,26 +26,9 @@ TELLING_CYCLES, LEFT_OVER = 1.5, 1.5
 LEADS_NEAR = 1.0
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
-# Places of friction that are tried, the likeliest: three masses may stand in six orders.
-MOST_PLACES = 3
 # BIC above the best one up to which friction elsewhere is not ruled out, if it leaves only noise: the steps of encoders
 # are not the noise that it is made for.
 NOT_RULED_OUT = 50.0
-
-
-def rubbing(channels: int) -> tuple[tuple[Force, ...], ...]:
-    """Return where friction may act: at each mass against the ground, or in the struts of a chain, in any order.
-
-    Examples
-    --------
-    >>> [[(force.channel, force.other) for force in forces] for forces in rubbing(2)]
-    [[(0, None), (1, None)], [(0, None), (1, 0)], [(1, None), (0, 1)]]
-    """
-    chains = [
-        tuple(Force(kind=ForceKind.FRICTION, channel=c, other=o) for c, o in zip(chain, (None, *chain), strict=False))
-        for chain in permutations(range(channels))
-    ]
-    return (forces_of(ForceKind.FRICTION, channels, most=channels), *chains)
 
 
 def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float, longest: int) -> list[StructureFit]:
@@ -60,10 +41,9 @@ def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float
     if not 1 < channels <= most or not leaves_more(strong, record.noise):
         return []
     fits, starts = list[StructureFit](), list[StructureFit]()
-    for rank in from_equations(record, rubbing(channels), float(np.min(strong.drive.theta.imag))):
+    for rank in from_equations(record, float(np.min(strong.drive.theta.imag))):
         likely = [start for start in rank if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
         likely = [start for start in likely if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
-        likely = likely[:MOST_PLACES]
         fits, starts = _with_fits(fits, likely, highest), [*starts, *likely]
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
         if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
