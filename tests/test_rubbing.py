@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from suspid import identify
+from suspid import Identification, identify
+from suspid.analysis.longer import _known
 from suspid.identification.covariance import with_changes
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear import choice
@@ -199,3 +200,25 @@ def test_a_linear_fit_stays_where_friction_explains_less(monkeypatch: pytest.Mon
     monkeypatch.setattr(choice, "by_equations", lambda *_, **__: [])
     record, plain = record_of(replace(RIG, friction=np.zeros(2)))
     assert choice.chosen(record, plain, None, most=6, highest=plain.bic) is None
+
+
+@pytest.fixture(scope="module")
+def rubbed() -> Identification:
+    """What is found of two masses whose upper strut is locked after six cycles."""
+    record = rigs.release(rigs.IN_STRUTS, 2, seed=3033)
+    moves = (record.stamps > record.start + 0.003) & (record.stamps < record.stuck - 0.002)
+    time = np.linspace(record.stamps[0], record.stamps[-1], len(record.stamps))[moves]
+    return identify(as_response(time, record.position[:, moves], ["x1", "x2"]))
+
+
+class TestDampingThatChanges:
+    """Of modes that friction damps the ratio differs from part to part by more than itself, and is known in each."""
+
+    def test_is_a_mode(self, rubbed: Identification) -> None:
+        assert len(rubbed.modes) == 2
+        assert rubbed.modes.zeta_std is not None
+        assert np.all(rubbed.modes.zeta_std > 0.25 * rubbed.modes.zeta)
+
+    def test_counts_as_known(self, rubbed: Identification) -> None:
+        assert _known(rubbed) >= 1
+        assert _known(replace(rubbed, amplitude_dependence=())) == 0
