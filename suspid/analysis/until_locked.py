@@ -14,7 +14,7 @@ from suspid.analysis.explained_parts import explains_swings, part_used, shortene
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used
-from suspid.decays import at_rest_from, finest, releases_before, rest_of
+from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, rest_of
 from suspid.identification import FEWEST_SAMPLES, ForceKind, Identification
 from suspid.model import ModalSet
 from suspid.records import of_channels
@@ -60,7 +60,10 @@ def until_locked(
     clear = before and not both and level_of(found, stretch.used, stretch.decays) > Level.DOUBTFUL
     least = 1 if both else max(1, len(found.modes) + clear)
     releases = releases_before(signal, locked)
-    for begins in dict.fromkeys((min((*releases, used.start)), *releases[-1:])):
+    first = min((*releases, used.start))
+    # Starts that differ by fewer samples than are left out are tried already.
+    last_ones = [each for each in releases[-1:] if each > first + STARTS_AFTER_REST[-1] * signal.step]
+    for begins in (first, *last_ones):
         for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
             if moved is None or len(moved.modes) < least:
                 break

@@ -44,12 +44,18 @@ def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float
     for rank in from_equations(record, float(np.min(strong.drive.theta.imag))):
         likely = [start for start in rank if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
         likely = [start for start in likely if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
-        fits, starts = _with_fits(fits, likely, highest), [*starts, *likely]
+        starts += likely
+        for start in likely:
+            fits = _with_fit(fits, start, highest)
+            if fits and not misses(fits[0]) and fits[0].bic >= highest:
+                # Modes without friction leave as little.
+                return []
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
         if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
             break
     if fits and not explains(fits[0], highest) and _near(fits[0], highest):
-        fits = _with_fits(fits, [start for start in starts if start.forces == fits[0].forces], highest, none=NOT_AT_ALL)
+        for start in (start for start in starts if start.forces == fits[0].forces):
+            fits = _with_fit(fits, start, highest, none=NOT_AT_ALL)
     if not fits or fits[0].bic >= strong.bic:
         return []
     elsewhere = {fit.forces: fit for fit in reversed(fits) if fit.forces != fits[0].forces and not misses(fit)}
@@ -60,12 +66,12 @@ def _near(fit: StructureFit, highest: float) -> bool:
     return fit.bic < highest + LEADS_NEAR * fit.residual.size
 
 
-def _with_fits(
-    fits: list[StructureFit], starts: list[StructureFit], highest: float, none: float = TOLD_BY_EQUATIONS
+def _with_fit(
+    fits: list[StructureFit], start: StructureFit, highest: float, none: float = TOLD_BY_EQUATIONS
 ) -> list[StructureFit]:
-    """Return fits and those near some starts, the best one first."""
-    found = (followed_on(start, reached=highest / start.residual.size, none=none) for start in starts)
-    return sorted([*fits, *(fit for fit in found if fit is not None)], key=lambda fit: fit.bic)
+    """Return fits and that near a start, the best one first."""
+    fit = followed_on(start, reached=highest / start.residual.size, none=none)
+    return fits if fit is None else sorted([*fits, fit], key=lambda each: each.bic)
 
 
 def followed_on(start: StructureFit, *, reached: float, none: float = TOLD_BY_EQUATIONS) -> StructureFit | None:
