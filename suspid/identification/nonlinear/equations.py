@@ -163,9 +163,7 @@ def _weights(half: int) -> RealArray:
     t = np.arange(-half, half + 1) / (half + 1)
     base = 1 - t**2
     first = 2 * WEIGHT_POWER * t * base ** (WEIGHT_POWER - 1)
-    second = 4 * WEIGHT_POWER * (WEIGHT_POWER - 1) * t**2 * base ** (WEIGHT_POWER - 2) - 2 * WEIGHT_POWER * base ** (
-        WEIGHT_POWER - 1
-    )
+    second = 2 * WEIGHT_POWER * base ** (WEIGHT_POWER - 2) * (2 * (WEIGHT_POWER - 1) * t**2 - base)
     total = np.sum(base**WEIGHT_POWER)
     return np.asarray(np.stack([base**WEIGHT_POWER, first / (half + 1), second / (half + 1) ** 2]) / total)
 

@@ -26,8 +26,8 @@ TELLING_CYCLES, LEFT_OVER = 1.5, 1.5
 LEADS_NEAR = 1.0
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
 MORE_AT_FIRST = 2.0
-# BIC above the best one up to which friction elsewhere is not ruled out, if it leaves only noise: the steps of encoders
-# are not the noise that it is made for.
+# BIC above the best one up to which friction, or friction elsewhere, is not ruled out if it leaves only noise: steps of
+# encoders are not the noise that it is made for.
 NOT_RULED_OUT = 50.0
 
 
@@ -47,8 +47,8 @@ def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float
         starts += likely
         for start in likely:
             fits = _with_fit(fits, start, highest)
-            if fits and not misses(fits[0]) and fits[0].bic >= highest:
-                # Modes without friction leave as little.
+            # Modes without friction leave as little.
+            if fits and not misses(fits[0]) and fits[0].bic >= highest + NOT_RULED_OUT:
                 return []
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
         if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
