@@ -69,6 +69,7 @@ def test_one_step_must_begin_from_rest(moves: float, *, used: bool) -> None:
     assert (one.verdict.level is Level.CARE) is used
 
 
+@pytest.mark.slow
 def test_moves_that_a_drive_leads_are_no_modes() -> None:
     """From one place to the next without a jerk, in a second, as robots go."""
     command, motion = commanded(0.0, 1.0, 0.3, 1.2, -0.5), np.zeros(TIME.size)

@@ -102,6 +102,7 @@ def test_where_there_is_no_room_a_quarter_of_the_decay_is_compared(start: float,
     assert [bool(note.numbers["follows"]) for note in larger_elsewhere(record, stretch)] == follows
 
 
+@pytest.mark.slow
 def test_a_car_that_rides_on_its_tires_once_friction_holds_its_struts_is_doubted() -> None:
     """The body swings once and stops; then it goes on, on the tires alone, at a 25th of that size."""
     time = np.arange(0, 9, 0.005)

@@ -40,7 +40,10 @@ class TestTwoMasses:
     # first two; of two cycles before a dead stop the second shows one mode.
     @pytest.mark.parametrize(
         ("kind", "seed"),
-        [("friction", 5300029), ("cubic", 5300016), pytest.param("friction", 5300200, marks=pytest.mark.slow)],
+        [
+            ("friction", 5300029),
+            *(pytest.param(*one, marks=pytest.mark.slow) for one in [("cubic", 5300016), ("friction", 5300200)]),
+        ],
     )
     def test_all_of_the_motion_is_used(self, kind: str, seed: int, tmp_path: Path) -> None:
         record = rigs.release(kind, 2, seed=seed)
@@ -270,7 +273,7 @@ class TestTonesThatFade:
         assert not _tells_tones(replace(whole, modes=unsure), part)
 
 
-@pytest.mark.parametrize("angle", [0.9, 0.3])
+@pytest.mark.parametrize("angle", [pytest.param(0.9, marks=pytest.mark.slow), 0.3])
 def test_two_close_modes_of_a_frame_that_creeps_back(angle: float, tmp_path: Path) -> None:
     """They beat to the end of the record: no band rises above the others, and the creep is the largest event."""
     time = np.arange(0.0, 26.15, 0.005)

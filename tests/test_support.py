@@ -212,7 +212,7 @@ class TestWholeRecords:
         ("braking", 1_200_008),
         ("engine at idle, 12 Hz", 1_200_008),
         pytest.param("speech-like modulation", 5013, marks=pytest.mark.slow),
-        ("speech-like modulation", 5056),
+        pytest.param("speech-like modulation", 5056, marks=pytest.mark.slow),
     ],
 )
 def test_forced_motion_has_no_modes(kind: str, seed: int) -> None:
