@@ -64,14 +64,14 @@ class Around:
 
         What is zero is so to another share: a force that does nothing to a mass.
         """
-        values, parts = _free(structures)[0], (2 * structures.theta.size, 2 * structures.shapes.size)
+        values, parts = _moved_by_fits(structures), (2 * structures.theta.size, 2 * structures.shapes.size)
         kinds = np.split(values, np.cumsum(parts))
         largest = np.concatenate([np.full(len(kind), np.max(np.abs(kind), initial=1e-300)) for kind in kinds])
         return cls(values, np.where(np.abs(values) < EXACT * largest, none, share) * largest)
 
     def apart(self, fit: StructureFit) -> RealArray:
         """Return by how many standard deviations each parameter is off."""
-        return np.asarray((_free(fit.structures)[0] - self.values) / self.std)
+        return np.asarray((_moved_by_fits(fit.structures) - self.values) / self.std)
 
 
 def fitted(start: StructureFit, *, steps: int | None = None, around: Around | None = None) -> StructureFit:
@@ -91,7 +91,8 @@ def fitted(start: StructureFit, *, steps: int | None = None, around: Around | No
         pace = RUBBED_STEPS if steps is None else RUBBED_FIRST
     longest = MOST_STEPS_OVER * steps_of(start.theta, start.residual.shape[1], start.structures.kind)
     for _ in range(pace.most if steps is None else steps):
-        at, along = _free(fit.structures)
+        at = _moved_by_fits(fit.structures)
+        along = _along(fit.structures, at)
         slopes = along @ fit.nearby.slopes(fit)
         if around is not None:
             slopes = np.concatenate([slopes, np.diag(1 / around.std)], axis=1)
@@ -126,19 +127,25 @@ def fitted(start: StructureFit, *, steps: int | None = None, around: Around | No
     return fit
 
 
-def _free(of: Structures) -> tuple[RealArray, RealArray]:
-    """Return the parameters that a fit moves, and the derivatives of all by them, (moved, parameter).
+def _moved_by_fits(of: Structures) -> RealArray:
+    """Return the parameters that a fit moves, (moved,).
 
     Of as many modes as channels they are poles, displacements and by how much each force slows each mass: gains follow,
     as no force moves a mass at once. With gains of their own, that would leave a narrow bent valley.
     """
-    every = parameters_of(of)[0]
+    every: RealArray = parameters_of(of)[0]
     if not _settled(of):
-        return every, np.eye(len(every))
-    at = np.concatenate([every[: 2 * (of.theta.size + of.shapes.size)], _slowed(of).ravel()])
+        return every
+    return np.concatenate([every[: 2 * (of.theta.size + of.shapes.size)], _slowed(of).ravel()])
+
+
+def _along(of: Structures, at: RealArray) -> RealArray:
+    """Return the derivatives of all parameters by those that a fit moves, (moved, parameter), at their values."""
+    if not _settled(of):
+        return np.eye(len(at))
     steps = np.maximum(CHANGE * np.abs(at), CHANGE * 1e-3 * np.max(np.abs(at)))
     near = parameters_of(_placed(of, at + np.vstack([np.diag(steps), -np.diag(steps)])))
-    return at, (near[: len(at)] - near[len(at) :]) / (2 * steps[:, None])
+    return np.asarray((near[: len(at)] - near[len(at) :]) / (2 * steps[:, None]))
 
 
 def _settled(of: Structures) -> bool:

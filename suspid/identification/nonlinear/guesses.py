@@ -45,8 +45,7 @@ def with_friction(plain: StructureFit) -> list[StructureFit]:
     for _ in range(2):
         slowed = sizes * np.sum(np.abs(shapes * theta[:, :, None] ** 2), axis=1)
         gains = np.zeros((len(theta), of.theta.shape[1], len(of.forces)), complex)
-        for one in range(len(theta)):
-            gains[one, :, :channels] = gains_of(theta[one], shapes[one], np.diag(slowed[one]))
+        gains[:, :, :channels] = gains_of(theta, shapes, slowed[:, :, None] * np.eye(channels))
         guesses = replace(of, theta=theta, shapes=shapes, gains=gains)
         shapes, losses = _refitted(plain, guesses, slowed)
     likely = [one for one in np.argsort(losses)[:TRIED] if losses[one] < plain.loss + WORSE * plain.residual.size]
