@@ -224,3 +224,22 @@ def test_a_linear_decay_whose_fast_mode_has_died_is_left_alone() -> None:
     assert len(found.modes) == 2
     used = Used(record=record, decays=(), used=(), notes=(), identification=found)
     assert until_locked(record, used, found, Settings()) is None
+
+
+@pytest.mark.parametrize("held", [0.0, 0.4])
+def test_of_a_linear_decay_beyond_doubt_no_part_is_tried(held: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All channels rest within their noise in the end. That the parts before are not tried is a tenth of the time."""
+
+    def never(*_: object) -> None:
+        raise AssertionError("a part was tried")
+
+    monkeypatch.setattr("suspid.analysis.until_locked.shortened", never)
+    time = np.arange(2500) / 500
+    after = np.maximum(time - held, 0.0)
+    slow, fast = np.exp(-3 * after) * np.cos(9 * after), np.exp(-8 * after) * np.cos(60 * after)
+    values = np.stack([slow + fast, slow - fast]) + 1e-2 * np.random.default_rng(3).standard_normal((2, time.size))
+    record = as_response(time, values, ["a", "b"])
+    assert min(_stops(as_signal(record)))[0] < 2000
+    found = analyse(record)
+    assert found.verdict.level is Level.SOUND
+    assert found.modes.wn == pytest.approx([np.hypot(9, 3), np.hypot(60, 8)], rel=0.05)

@@ -111,6 +111,11 @@ def settled(found: Identification) -> bool:
     return len(found.modes) > 0 and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
 
 
+def linear(found: Identification) -> bool:
+    """Return whether modes without forces are beyond doubt: what rests in the end has died away in its noise."""
+    return not found.forces and settled(found) and found.verdict.level is Level.SOUND
+
+
 def settled_by_forces(found: Identification) -> bool:
     """Return whether forces that are not linear explain a record down to its noise."""
     return bool(found.forces) and settled(found)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import explains, holds, settled, swings, tried, tried_linear
+from suspid.analysis.choice import explains, holds, linear, settled, swings, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.far_larger import far_larger
 from suspid.analysis.first_rest import until_one_rests
@@ -62,10 +62,11 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
-        locked = released_and_locked(record, settings)
+        plain = _linear(record, settings)
+        locked = released_and_locked(record, settings) if plain is None else None
         if locked is not None:
             return locked
-        best = longer(record, _best(record, settings), settings)
+        best = longer(record, _best(record, settings) if plain is None else plain, settings)
         sounder = _sounder(record, best, settings)
         best = sounder if sounder.used == best.used else longer(record, sounder, settings)
         free = _once_free(record, best, settings)
@@ -94,6 +95,18 @@ def _outside(record: control.TimeResponseData, settings: Settings) -> tuple[Rema
     early = settings.start is not None and settings.start < first - slack
     late = settings.stop is not None and settings.stop > last + slack
     return (Remark(Note.OUTSIDE, {"first": first, "last": last}),) if early or late else ()
+
+
+def _linear(record: control.TimeResponseData, settings: Settings) -> Used | None:
+    """Return the whole record where several channels are a linear decay from the first sample on, beyond doubt."""
+    signal = as_signal(record)
+    largest = late_start(signal)
+    if len(signal.channels) < 2 or (largest is not None and not _may_decay(record, largest)):
+        return None
+    found = tried_linear(record, settings)
+    if found is None or not linear(found) or (largest is not None and not _holds_later(found, record, settings)):
+        return None
+    return Used(record=record, decays=(), used=(), notes=(), identification=found)
 
 
 def _best(record: control.TimeResponseData, settings: Settings) -> Used:

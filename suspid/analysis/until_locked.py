@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import PLAIN, level_of, settled
+from suspid.analysis.choice import PLAIN, level_of, linear, settled, tried_linear
 from suspid.analysis.explained_parts import explains_swings, part_used, shortened, used_instead
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
@@ -17,7 +17,7 @@ from suspid.analysis.used import Used
 from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, rest_of
 from suspid.identification import FEWEST_SAMPLES, ForceKind, Identification
 from suspid.model import ModalSet
-from suspid.records import of_channels
+from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.words import Level, Note, Remark
@@ -45,7 +45,7 @@ def until_locked(
     where that leaves only noise and begins before the strut is locked, unless it goes on beyond that without friction.
     What has fewer modes is not used but in place of that, nor as many where what begins before it is not doubtful.
     """
-    if not questioned(found, settings):
+    if not questioned(found, settings) or linear(found):
         return None
     record = of_channels(record, as_signal(stretch.record).channels)
     signal, used = as_signal(record), as_signal(stretch.record)
@@ -85,6 +85,9 @@ def released_and_locked(record: control.TimeResponseData, settings: Settings) ->
     if len(signal.channels) < 2 or last == signal.values.shape[1]:
         return None
     for begins in releases_before(signal, _time(signal, last))[-1:]:
+        free = tried_linear(cut(record, start=begins + STARTS_AFTER_REST[-1] * signal.step), settings)
+        if free is not None and linear(free):
+            return None
         for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
             if moved is not None and len(moved.modes) > 1 and explains_swings(moved) and _rubs(moved):
                 return Used(
