@@ -219,7 +219,7 @@ class TestChannels:
     def test_a_mass_that_is_pulled_held_and_let_go_is_no_dropout(self) -> None:
         """It leaves the hold by 14 steps and goes on by 47 and 73; a frozen value is left by what it missed."""
         release = rigs.release("friction", 2, seed=970_095)
-        values = release.position[0] / release.step
+        values = release.values[0] / release.step
         assert inspect("x1", release.stamps, values).findings == ()
         moved = np.flatnonzero(np.abs(np.diff(values)) > 13)[0] + 1
         frozen = np.concatenate([values[:moved], values[moved + 3 :]])

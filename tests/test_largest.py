@@ -458,8 +458,8 @@ def test_a_phone_that_swings_and_is_caught(seed: int, tmp_path: Path) -> None:
 def test_friction_that_explains_all_may_leave_the_damping_open() -> None:
     """A start whose interval reaches zero has both modes; a later one that is known better had lost one of them."""
     release = rigs.release("friction", 2, seed=990_004)
-    time = np.arange(release.position.shape[1]) * (release.stamps[-1] / (release.position.shape[1] - 1))
-    found = identify(cut(as_response(time, release.position, ["x1", "x2"]), start=0.7626, stop=1.5797))
+    time = np.arange(release.values.shape[1]) * (release.stamps[-1] / (release.values.shape[1] - 1))
+    found = identify(cut(as_response(time, release.values, ["x1", "x2"]), start=0.7626, stop=1.5797))
     assert found.modes.wn == pytest.approx(release.rig.wn, rel=0.002)
     assert not damping_known(found)
     assert _plain(found, Level.CARE)

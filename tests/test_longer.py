@@ -207,8 +207,8 @@ def test_a_few_cycles_of_another_mode_give_way_to_a_longer_decay(
 def test_few_cycles_before_a_dead_stop_give_way_to_forces_that_explain_all() -> None:
     """Their 9.09 Hz are none of 3.20 and 10.07 Hz, although they are better known than those of three cycles."""
     release = rigs.release("friction", 2, seed=980_016)
-    time = np.arange(release.position.shape[1]) * (release.stamps[-1] / (release.position.shape[1] - 1))
-    record = as_response(time, release.position, ["x1", "x2"])
+    time = np.arange(release.values.shape[1]) * (release.stamps[-1] / (release.values.shape[1] - 1))
+    record = as_response(time, release.values, ["x1", "x2"])
     longer = identify(cut(record, start=release.start + 0.005, stop=release.stop))
     found = identify(cut(record, start=0.95, stop=1.235))
     assert longer.modes.wn == pytest.approx(release.rig.wn, rel=0.002)

@@ -64,7 +64,7 @@ def rig(kind: str, masses: int, *, held: bool = False) -> control.TimeResponseDa
     """Return a release as an encoder sees it; from a sample after it on, unless the rest before is ``held``."""
     found = rigs.release(kind, masses, seed=3)
     step = (found.stamps[-1] - found.stamps[0]) / (len(found.stamps) - 1)
-    position = found.position[:, 0 if held else int(np.searchsorted(found.stamps, found.start)) + 1 :]
+    position = found.values[:, 0 if held else int(np.searchsorted(found.stamps, found.start)) + 1 :]
     return as_response(np.arange(position.shape[1]) * step, position, [f"x{k}" for k in range(masses)])
 
 

@@ -314,7 +314,7 @@ class TestTwoMassesWithCubicSprings:
     def test_both_modes_within_their_intervals(self) -> None:
         record = rigs.release("cubic", 2, seed=930_006)
         stamps, used = record.stamps, record.stamps > record.start
-        found = identify(as_response(np.asarray(stamps[used]), record.position[:, used], ("x1", "x2")))
+        found = identify(as_response(np.asarray(stamps[used]), record.values[:, used], ("x1", "x2")))
         wn, zeta = rigs.equivalent_modes(
             record.rig, record.motion, 0.0, float(stamps[-1]) - record.start, seen=record.step
         )
@@ -340,7 +340,7 @@ class TestTwoMassesWithCubicSprings:
     def test_both_modes_from_the_release_on(self, kind: str, seed: int) -> None:
         record = rigs.release(kind, 2, seed=seed)
         stamps, used = record.stamps, record.stamps > record.start
-        found = identify(as_response(np.asarray(stamps[used]), record.position[:, used], ("x1", "x2")))
+        found = identify(as_response(np.asarray(stamps[used]), record.values[:, used], ("x1", "x2")))
         wn, zeta = rigs.equivalent_modes(
             record.rig, record.motion, 0.0, float(stamps[-1]) - record.start, seen=record.step
         )
@@ -571,6 +571,6 @@ def test_what_is_left_of_the_first_samples_hides_no_modes(seed: int, late: float
     record = rigs.release("friction", 2, seed=seed)
     moves = (record.stamps >= record.start + late) & (record.stamps <= record.stop)
     time = np.linspace(record.stamps[0], record.stamps[-1], len(record.stamps))[moves]
-    found = identify(as_response(time, record.position[:, moves], ["x1", "x2"]))
+    found = identify(as_response(time, record.values[:, moves], ["x1", "x2"]))
     assert found.modes.wn == pytest.approx(record.rig.wn / record.pace, rel=within)
     assert {force.kind for force in found.forces} == {ForceKind.FRICTION}

@@ -37,6 +37,8 @@ SEEDS = int(os.environ.get("SUSPID_SEEDS", "100"))
 KINDS = ("friction", "bilinear", "cubic")
 # Friction where the springs are: only of several masses another thing than against the ground.
 IN_STRUTS = "friction in the struts"
+# The same from accelerometers.
+FELT = "friction in the struts, accelerometers"
 # Friction that stops both masses within a cycle or two leaves little to find: those that move for this long [s] have a
 # row of their own.
 MOVES_FOR = 0.5
@@ -180,6 +182,18 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
     )
 
 
+def accelerations(rig: Rig, motion: Motion) -> RealArray:
+    """Return what accelerometers on the masses feel of a motion, (mass, sample)."""
+    travel = rig.contacts @ motion.velocity
+    still = SLACK * np.max(np.abs(travel), initial=0.0)
+    out = np.empty_like(motion.position)
+    for k, (position, velocity) in enumerate(zip(motion.position.T, motion.velocity.T, strict=True)):
+        force = rig.force(position, velocity)
+        signs = np.where(np.abs(travel[:, k]) > still, np.sign(travel[:, k]), 0.0)
+        out[:, k] = (force - rig.contacts.T @ rig.friction_of(force, signs)) / rig.mass
+    return out
+
+
 def _sliding(rig: Rig, state: RealArray, signs: RealArray) -> RealArray:
     """Return in which directions contacts slide: those that stick beyond their friction are let go, the worst first."""
     count, signs = len(rig.mass), signs.copy()
@@ -202,18 +216,19 @@ def _sticking(rig: Rig, velocity: RealArray, sticks: NDArray[np.bool_]) -> RealA
 
 @dataclass(frozen=True, kw_only=True)
 class Release:
-    """A record of a release and its truth, by the clock of the file; ``position`` is what it holds, (mass, sample)."""
+    """A record of a release and its truth, by the clock of the file; ``values`` are what it holds, (mass, sample)."""
 
     rig: Rig
     pace: float  # of the clock
     motion: Motion  # from the release on, by an exact clock, `FINE` samples in a period of the fastest mode
     stamps: RealArray
-    position: RealArray
+    values: RealArray
+    unit: str
     turns: tuple[RealArray, ...]
     start: Second
     stop: Second
     stuck: Second
-    step: float
+    step: float  # below which motion is not seen [m]
 
     @property
     def moves(self) -> Second:
@@ -237,10 +252,10 @@ def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, R
     held = np.cumsum(rng.uniform(0.005, 0.03, masses)) * rng.choice([-1, 1])
     rig = replace(rig, stiffness=stiffness, damping=2 * rng.uniform(0.003, 0.02, masses) * stiffness / first)
     travel = rig.links @ held
-    if kind in ("friction", IN_STRUTS):
+    if kind in ("friction", IN_STRUTS, FELT):
         force = np.max(np.abs(rig.force(held, none)))
         rig = replace(rig, friction=rng.uniform(0.01, 0.1) * force * rng.uniform(0.5, 1.0, masses))
-        if kind == IN_STRUTS:
+        if kind != "friction":
             # Half of them in the upper strut alone, as of a guide without friction.
             rubs = [float(rng.uniform() < 0.5), *[1.0] * (masses - 1)]
             rig = replace(rig, struts=True, friction=rig.friction * rubs)
@@ -255,11 +270,13 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
     """Return a random record: rest, in half of the records a pull, a held force, release, dead stop.
 
     The rate is 100 to 1000 Hz (at least ten samples in a period of the fastest mode), encoders have 8 to 12 bits over
-    1.1 to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds.
+    1.1 to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds. Accelerometers are
+    sampled three times as fast; their noise is 0.1 to 1.5 % of the largest value, their offset up to 5 % of it.
     """
-    rng = np.random.default_rng([seed, masses, (*KINDS, IN_STRUTS).index(kind)])
+    rng = np.random.default_rng([seed, masses, (*KINDS, IN_STRUTS, FELT).index(kind)])
     rig, held = random_rig(kind, masses, rng)
     rate = float(np.exp(rng.uniform(np.log(max(100.0, 10 * rig.wn[-1] / (2 * np.pi))), np.log(1000.0))))
+    rate *= 3 if kind == FELT else 1
     before, after = rng.uniform(0.2, 1.0), rng.uniform(0.5, 2.0) + rng.uniform(0.0, 1.0)
     time = np.arange(int(rate * (before + after))) / rate
     moved = released(rig, held, np.concatenate([[0.0], time[time > before] - before]))
@@ -267,10 +284,18 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
     if rng.uniform() < 0.5:
         level = np.clip((time[time <= before] / before - 0.2) / 0.4, 0.0, 1.0)
     fine = released(rig, held, np.arange(0.0, after, 2 * np.pi / rig.wn[-1] / FINE))
-    position = np.concatenate([held[:, None] * level, moved.position[:, 1:]], axis=1)
-    bits = int(rng.integers(8, 13))
-    step = rng.uniform(1.1, 2.0) * 2 * float(np.max(np.abs(position))) / 2**bits
-    position = step * np.round(position / step + rng.uniform(-0.5, 0.5, (masses, 1)))
+    if kind == FELT:
+        felt = accelerations(rig, moved)[:, 1:]
+        values = np.concatenate([np.zeros((masses, len(level))), felt], axis=1)
+        largest = np.max(np.abs(values), axis=1, keepdims=True)
+        noise = 10 ** rng.uniform(-3.0, -1.8) * largest
+        values += noise * rng.standard_normal(values.shape) + rng.uniform(-0.05, 0.05, (masses, 1)) * largest
+        step = float(np.min(noise)) / float(rig.wn[-1]) ** 2
+    else:
+        values = np.concatenate([held[:, None] * level, moved.position[:, 1:]], axis=1)
+        bits = int(rng.integers(8, 13))
+        step = rng.uniform(1.1, 2.0) * 2 * float(np.max(np.abs(values))) / 2**bits
+        values = step * np.round(values / step + rng.uniform(-0.5, 0.5, (masses, 1)))
     clock = rng.integers(3)
     pace = 1 + rng.uniform(-1e-3, 1e-3) if clock == 1 else 1.0
     stamps = np.round(time, 3) if clock == 2 else pace * time
@@ -279,7 +304,8 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
         pace=pace,
         motion=fine,
         stamps=np.asarray(stamps),
-        position=np.asarray(position),
+        values=np.asarray(values),
+        unit="m/s^2" if kind == FELT else "m",
         turns=tuple(np.column_stack([pace * (each[:, 0] + before), each[:, 1]]) for each in moved.turns),
         start=float(pace * before),
         stop=float(pace * (before + moved.stop)),
@@ -289,12 +315,12 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
 
 
 def write(record: Release, path: Path) -> None:
-    """Write a record as a text file: a header, stamps with 6 digits after the point, positions with 9."""
-    names = ["time [s]", *(f"x{k + 1} [m]" for k in range(len(record.position)))]
+    """Write a record as a text file: a header, stamps with 6 digits after the point, values with 9."""
+    names = ["time [s]", *(f"x{k + 1} [{record.unit}]" for k in range(len(record.values)))]
     np.savetxt(
         path,
-        np.column_stack([record.stamps, record.position.T]),
-        fmt=["%.6f", *["%.9f"] * len(record.position)],
+        np.column_stack([record.stamps, record.values.T]),
+        fmt=["%.6f", *["%.9f"] * len(record.values)],
         delimiter=",",
         header=",".join(names),
         comments="",
@@ -454,10 +480,10 @@ def report(*, seeds: int = SEEDS) -> str:
     rows = []
     with ProcessPoolExecutor(max_workers=2) as pool:
         for masses in (1, 2):
-            for kind in (*KINDS, IN_STRUTS)[: len(KINDS) + masses - 1]:
+            for kind in (*KINDS, IN_STRUTS, FELT)[: len(KINDS) + 2 * (masses - 1)]:
                 found = _outcomes(pool, kind, masses, FIRST_SEED, seeds)
                 rows.append([f"{masses}, {kind}", str(seeds), *_shares(found)])
-                if kind in ("friction", IN_STRUTS):
+                if kind in ("friction", IN_STRUTS, FELT):
                     first, long = FIRST_SEED, _moving(found)
                     while len(long) < seeds:
                         first += seeds
@@ -473,12 +499,12 @@ def report(*, seeds: int = SEEDS) -> str:
                 "# Rigs that are not quite linear",
                 f"Random rigs from their files, seeds {FIRST_SEED} and on, `analyse` without any setting. Friction 1 "
                 f"to 10 % of the first spring force, against the ground or in the struts (in half of the latter only "
-                f"in the upper one); dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
-                f"are those of records with modes to compare (of two masses: with both), the larger of the modes, "
-                f"against means over the cycles that the result is of: from turn to turn (one mass) or of the "
-                f"equivalent linear system (two masses). Intervals are counted by mode. Friction may stop masses, "
-                f"or lock a strut, within some cycles: the first {seeds} that move, or of which no strut is locked, "
-                f"for {MOVES_FOR} s or more have rows of their own.",
+                f"in the upper one), there from encoders or accelerometers; dampers 1:3; springs 5 to 20 % stiffer at "
+                f"the first peak. Errors are those of records with modes to compare (of two masses: with both), the "
+                f"larger of the modes, against means over the cycles that the result is of: from turn to turn (one "
+                f"mass) or of the equivalent linear system (two masses). Intervals are counted by mode. Friction may "
+                f"stop masses, or lock a strut, within some cycles: the first {seeds} that move, or of which no strut "
+                f"is locked, for {MOVES_FOR} s or more have rows of their own.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
         )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import FAR_FROM_NOISE, NO_CYCLE, level_of
+from suspid.analysis.choice import FAR_FROM_NOISE, NO_CYCLE, level_of, settled_by_forces
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import shared_modes, with_identification
 from suspid.analysis.settings import Settings
@@ -65,6 +65,9 @@ def with_fewer_channels(
     found = used.identification
     before = Level.NONE if found is None else level_of(found, used.used, used.decays)
     if found is None or (before > Level.DOUBTFUL and np.max(found.loudness, initial=0.0) < FAR_FROM_NOISE):
+        return used
+    # Forces between channels that leave only noise need all of them.
+    if settled_by_forces(found) and any(force.other is not None for force in found.forces):
         return used
     tries = _fewer(names, found.explained) if len(found.modes) else _alone(names, _beside_peak(found))
     for kept in tries:

@@ -38,10 +38,13 @@ KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.C
 
 # Steps that lead nowhere may overflow; what is not finite is refused.
 @np.errstate(over="ignore", invalid="ignore")
-def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float) -> StructureFit | None:
+def chosen(
+    record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float, followed: bool
+) -> StructureFit | None:
     """Return the structure of least BIC near a linear fit or one with forces.
 
-    None if its BIC is not below the highest, or if a mode of it does not stand.
+    None if its BIC is not below the highest, or if a mode of it does not stand. A motion that linear modes have not
+    ``followed`` has one with friction from the equations of motion, if that leaves only noise.
 
     Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
     Modes are added, up to ``most``, as long as each explains most of the residual.
@@ -51,9 +54,11 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         return None
     strong = strongest(record, plain)
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
-    rub = by_equations(record, strong, most=most, highest=highest, longest=rubbed)
+    rub = by_equations(record, strong, most=most, highest=highest, longest=rubbed, followed=followed)
     best = rub[0] if rub else None
-    for start in starts_of(record, strong, bent):
+    if not followed and (best is None or not explains(best, highest)):
+        return None
+    for start in starts_of(record, strong, bent) if followed else ():
         if _too_long(start.drive.theta, record.values.shape[1]):
             continue
         for order, kind in _kinds(record, start, bent, highest):
@@ -67,7 +72,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
                 soon = kind is ForceKind.FRICTION and stops_soon(record, start)
                 fit = fitted(fit) if within or soon else fit
                 best = fit if best is None or fit.bic < best.bic else best
-    if best is not None:
+    if best is not None and followed:
         best = _beside_another(record, strong, best, highest=highest)
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):

@@ -12,6 +12,7 @@ Messenger, D. A. and Bortz, D. M. (2021). Weak SINDy for partial differential eq
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,12 +21,15 @@ from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
 from suspid.identification.nonlinear.motion import Structures
 from suspid.identification.nonlinear.structure import StructureFit, evaluated, gains_of
+from suspid.levels import EXACT
 from suspid.units import ComplexArray, RealArray
 
 # Half the widths of the weights, in periods of the slowest mode: narrow ones show fast modes, wide ones hide noise.
-WIDTHS = (0.03, 0.06, 0.1, 0.17, 0.3)
+WIDTHS = (0.015, 0.03, 0.06, 0.1, 0.17, 0.3)
 # Samples in half a weight at least, and its power of 1 - t^2: its first derivatives are smooth.
 FEWEST_IN_HALF, WEIGHT_POWER = 4, 6
+# Displacements, speeds or accelerations are measured.
+ORDERS = 3
 # Speeds are weighted over less: their signs turn at once.
 NARROWER = 3
 # Equations for each unknown, at least.
@@ -37,12 +41,47 @@ LIGHTLY = 0.01
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Measured:
+    """Displacements (order 0), speeds (1) or accelerations (2) of masses, with offsets, (channel, sample)."""
+
+    values: RealArray
+    order: int
+    moved: RealArray  # displacements, or for the other orders speeds
+    least: float  # share of the accelerations of each channel that equations must tell
+
+    @classmethod
+    def of(cls, values: RealArray, order: int, theta: ComplexArray, least: float) -> Measured:
+        """Return what was measured with its motion, in which a linear fit has the exponents ``theta``.
+
+        Offsets, and the line that they become in sums, are told from the motion by that fit.
+        """
+        if not order:
+            return cls(values=values, order=order, moved=values, least=least)
+        about = values - values[:, :1]
+        sums = about if order == 1 else np.cumsum(about, axis=1) - 0.5 * about
+        samples = np.arange(values.shape[1])
+        lines = (samples / len(samples))[:, None] ** np.arange(order)
+        swings = np.exp(np.outer(samples, theta))
+        parts = np.linalg.lstsq(np.column_stack([lines, swings.real, swings.imag]), sums.T, rcond=None)[0]
+        return cls(values=values, order=order, moved=np.asarray(sums - (lines @ parts[:order]).T), least=least)
+
+    def signs(self, forces: tuple[Force, ...], half: int) -> tuple[RealArray, RealArray]:
+        """Return the means of the signs of the speeds that forces follow, and the speeds, (force, sample)."""
+        narrow = max(2, half // NARROWER)
+        edges = np.pad(self.moved, ((0, 0), (narrow, narrow)), mode="reflect", reflect_type="odd")
+        speed = _weighted(edges, _weights(narrow)[0 if self.order else 1])
+        follows = np.array([speed[f.channel] - (0.0 if f.other is None else speed[f.other]) for f in forces])
+        return np.array([mean_sign(each) for each in follows]), follows
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Equations:
     """Equations of motion ``x'' = -stiffness x - damping x' - slowed s + offset``, per sample, with signs ``s``."""
 
     stiffness: RealArray  # (channel, channel)
     damping: RealArray  # (channel, channel)
     slowed: RealArray  # (channel, force)
+    told: RealArray  # (channel,): share of the weighted accelerations that they tell
 
     @property
     def modes(self) -> tuple[ComplexArray, ComplexArray] | None:
@@ -59,24 +98,47 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def from_equations(record: Record, turn: float) -> list[list[StructureFit]]:
-    """Return starts from the equations of displacements with friction, as many modes as channels.
+def from_equations(record: Record, theta: ComplexArray, *, least: float = 0.0) -> Iterator[list[list[StructureFit]]]:
+    """Yield starts from the equations of motion with friction, as many modes as channels.
 
-    The first starts are the likeliest of each place of friction (see `rubbing`), then the next ones. The slowest mode
-    turns by about ``turn`` from sample to sample [rad].
+    The channels are displacements, speeds or accelerations: first what equations tell most of, then what the likeliest
+    start has, then displacements. Of each, the first starts are the likeliest of each place of friction (see
+    `rubbing`), then the next ones. A linear fit has the exponents ``theta``. Equations tell at ``least`` this share of
+    the accelerations.
     """
-    period, values = 2 * np.pi / turn, record.values
+    period = 2 * np.pi / float(np.min(theta.imag))
     halves = list(dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS))
-    ground = forces_of(ForceKind.FRICTION, len(values), most=len(values))
-    first = _starts(record, ground, halves)
-    if not first:
+    measured = [Measured.of(record.values, order, theta, least) for order in range(ORDERS)]
+    untold = [_untold(each, halves) for each in measured]
+    likely = [_likely(record, each, halves) for each in measured]
+    losses = [min((start.loss for start in starts), default=np.inf) for starts in likely]
+    for order in dict.fromkeys((int(np.argmin(untold)), int(np.argmin(losses)), 0)):
+        found = [_starts(record, measured[order], start.forces, halves) for start in likely[order]]
+        ranks = [sorted(starts.values(), key=lambda start: start.loss) for starts in found]
+        yield [sorted((each[k] for each in ranks if k < len(each)), key=lambda s: s.loss) for k in range(MOST_WIDTHS)]
+
+
+def _untold(measured: Measured, halves: list[int]) -> float:
+    """Return the mean logarithm of what equations with friction against the ground do not tell of accelerations."""
+    ground = _ground(measured)
+    equations = [each for half in halves if (each := equations_of(measured, ground, half)) is not None]
+    return float(np.mean([np.sum(np.log(np.maximum(1 - each.told, EXACT))) for each in equations] or [np.inf]))
+
+
+def _ground(measured: Measured) -> tuple[Force, ...]:
+    return forces_of(ForceKind.FRICTION, len(measured.values), most=len(measured.values))
+
+
+def _likely(record: Record, measured: Measured, halves: list[int]) -> list[StructureFit]:
+    """Return a likely start with friction at each place: that of chains with the likeliest width of the ground."""
+    ground = _ground(measured)
+    starts = _starts(record, measured, ground, halves)
+    if not starts:
         return []
-    half = min(first, key=lambda half: first[half].loss)
-    equations = equations_of(values, _signs(values, ground, half)[0], ground, half)
+    half = min(starts, key=lambda half: starts[half].loss)
+    equations = equations_of(measured, ground, half)
     chains = rubbing(equations.stiffness) if equations is not None else ()
-    found = [first, *(_starts(record, chain, halves) for chain in chains)]
-    ranks = [sorted(starts.values(), key=lambda start: start.loss) for starts in found]
-    return [sorted((each[k] for each in ranks if k < len(each)), key=lambda s: s.loss) for k in range(MOST_WIDTHS)]
+    return [starts[half], *(start for forces in chains if (start := _start(record, measured, forces, half)))]
 
 
 def rubbing(stiffness: RealArray) -> tuple[tuple[Force, ...], ...]:
@@ -102,23 +164,25 @@ def rubbing(stiffness: RealArray) -> tuple[tuple[Force, ...], ...]:
     return tuple(chains)
 
 
-def _starts(record: Record, forces: tuple[Force, ...], halves: list[int]) -> dict[int, StructureFit]:
+def _starts(
+    record: Record, measured: Measured, forces: tuple[Force, ...], halves: list[int]
+) -> dict[int, StructureFit]:
     """Return starts with friction at a place by half the widths of the weights, where there are some."""
-    starts = {half: _start(record, forces, half) for half in halves}
+    starts = {half: _start(record, measured, forces, half) for half in halves}
     return {half: start for half, start in starts.items() if start is not None}
 
 
-def _start(record: Record, forces: tuple[Force, ...], half: int) -> StructureFit | None:
-    signs, speeds = _signs(record.values, forces, half)
-    equations = equations_of(record.values, signs, forces, half)
+def _start(record: Record, measured: Measured, forces: tuple[Force, ...], half: int) -> StructureFit | None:
+    signs, speeds = measured.signs(forces, half)
+    equations = equations_of(measured, forces, half)
     modes = None if equations is None else equations.modes
-    if equations is None or modes is None:
+    if equations is None or modes is None or np.min(equations.told) < measured.least:
         return None
     theta, shapes = modes
     if np.max(np.abs(theta)) > np.pi:
         return None
     gains = gains_of(theta, shapes, equations.slowed)
-    begins = _beginnings(record, theta, shapes, gains, signs)
+    begins = _beginnings(record, measured.order, theta, shapes, gains, signs)
     structures = Structures(
         theta=theta[None],
         shapes=(begins[:, None] * shapes)[None],
@@ -126,36 +190,31 @@ def _start(record: Record, forces: tuple[Force, ...], half: int) -> StructureFit
         forces=forces,
         scales=np.max(np.abs(speeds), axis=1) + 1e-300,
     )
-    return evaluated(record, structures, 0)
+    return evaluated(record, structures, measured.order)
 
 
-def equations_of(values: RealArray, signs: RealArray, forces: tuple[Force, ...], half: int) -> Equations | None:
-    """Return the equations of least squares for displacements (channel, sample) and signs of speeds (force, sample).
+def equations_of(measured: Measured, forces: tuple[Force, ...], half: int) -> Equations | None:
+    """Return the equations of least squares for what was measured, and the signs of its speeds.
 
     Weights are ``2 half + 1`` samples wide. None where there are too few.
     """
+    values = measured.values
     count, unknowns = len(values), 2 * len(values) + len(forces) + 1
     if values.shape[1] - 2 * half < FEWEST_EQUATIONS * unknowns:
         return None
     place, speed, rise = (_weighted(values - values[:, :1], weight) for weight in _weights(half))
-    signs = _weighted(signs, _weights(half)[0])
+    # The equations of speeds and accelerations are derivatives of those of displacements.
+    signs = _weighted(measured.signs(forces, half)[0], _weights(half)[measured.order])
     stiffness, damping, slowed = np.zeros((count, count)), np.zeros((count, count)), np.zeros((count, len(forces)))
+    told = np.zeros(count)
     for c in range(count):
         acts = [j for j, force in enumerate(forces) if c in (force.channel, force.other)]
         columns = np.column_stack([place.T, speed.T, signs[acts].T, np.ones(place.shape[1])])
         norms = np.linalg.norm(columns, axis=0) + 1e-300
-        parts = -np.linalg.lstsq(columns / norms, rise[c], rcond=None)[0] / norms
+        unit = np.linalg.lstsq(columns / norms, rise[c], rcond=None)[0]
+        parts, told[c] = -unit / norms, 1 - np.var(rise[c] - columns / norms @ unit) / (np.var(rise[c]) + 1e-300)
         stiffness[c], damping[c], slowed[c, acts] = parts[:count], parts[count : 2 * count], parts[2 * count : -1]
-    return Equations(stiffness=stiffness, damping=damping, slowed=slowed)
-
-
-def _signs(values: RealArray, forces: tuple[Force, ...], half: int) -> tuple[RealArray, RealArray]:
-    """Return the means of the signs of the speeds that forces follow, and the speeds, (force, sample)."""
-    narrow = max(2, half // NARROWER)
-    edges = np.pad(values, ((0, 0), (narrow, narrow)), mode="reflect", reflect_type="odd")
-    speed = _weighted(edges, _weights(narrow)[1])
-    follows = np.array([speed[f.channel] - (0.0 if f.other is None else speed[f.other]) for f in forces])
-    return np.array([mean_sign(each) for each in follows]), follows
+    return Equations(stiffness=stiffness, damping=damping, slowed=slowed, told=told)
 
 
 def _weights(half: int) -> RealArray:
@@ -174,7 +233,7 @@ def _weighted(values: RealArray, weight: RealArray) -> RealArray:
 
 
 def _beginnings(
-    record: Record, theta: ComplexArray, shapes: ComplexArray, gains: ComplexArray, signs: RealArray
+    record: Record, order: int, theta: ComplexArray, shapes: ComplexArray, gains: ComplexArray, signs: RealArray
 ) -> ComplexArray:
     """Return the states of modes at the first sample that fit a record best beside what friction adds, (pole,)."""
     from scipy.signal import lfilter
@@ -185,9 +244,13 @@ def _beginnings(
     for k, each in enumerate(theta):
         push = (gains[k] @ signs)[:-1]
         pushed[k, 1:] = lfilter([np.expm1(each) / each], [1, -np.exp(each)], push)
-    moved = (shapes.T @ pushed).real
+    seen = shapes * theta[:, None] ** order
+    moved = (seen.T @ pushed).real
+    if order == 2:
+        # A force shows in the accelerations at once.
+        moved = moved + ((shapes * theta[:, None]).T @ gains).real @ signs
     fixed = np.exp(np.outer(samples, record.nuisances))
-    parts = [(shapes[:, c, None] * free).T for c in range(len(moved))]
+    parts = [(seen[:, c, None] * free).T for c in range(len(moved))]
     offsets = np.kron(np.eye(len(moved)), fixed)
     columns = np.column_stack(
         [np.concatenate([p.real for p in parts]), np.concatenate([-p.imag for p in parts]), offsets]

@@ -32,6 +32,7 @@ class Structures:
     gains: ComplexArray  # (structure, pole, force)
     forces: tuple[Force, ...]
     scales: RealArray  # (force,): largest speeds or displacements that the forces follow; all forces are of one kind
+    turns: bool = False  # accelerations tell what friction is at samples about which it turns; else it has its mean
 
     @property
     def kind(self) -> ForceKind:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from suspid.identification.nonlinear.descent import Around, fitted
@@ -22,6 +24,9 @@ TOLD_BY_EQUATIONS = 0.3
 NOT_AT_ALL = 0.003
 # Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
 TELLING_CYCLES, LEFT_OVER = 1.5, 1.5
+# Share of accelerations that equations of motion tell in each channel where linear modes follow no motion: noise of any
+# kind under the same weights leaves them .5, cars whose friction hides their wheels .7 and more.
+TOLD_WITHOUT_MODES = 0.6
 # Loss per sample by which the first fits from the equations of motion may be above what must be reached.
 LEADS_NEAR = 1.0
 # Loss per sample by which a start from the equations of motion may be above a linear fit.
@@ -31,35 +36,51 @@ MORE_AT_FIRST = 2.0
 NOT_RULED_OUT = 50.0
 
 
-def by_equations(record: Record, strong: DrivenFit, *, most: int, highest: float, longest: int) -> list[StructureFit]:
+def by_equations(
+    record: Record, strong: DrivenFit, *, most: int, highest: float, longest: int, followed: bool
+) -> list[StructureFit]:
     """Return the structures with friction that the equations of motion lead to: the best one, then others.
 
     Those have friction elsewhere and leave only noise. There are none where a linear fit explains more, or leaves only
-    noise beside its modes.
+    noise beside its modes. Where it has not ``followed`` the motion, the equations must tell most of it.
     """
-    channels, count = record.values.shape
-    if not 1 < channels <= most or not leaves_more(strong, record.noise):
+    if not 1 < len(record.values) <= most or not leaves_more(strong, record.noise):
         return []
+    best = list[StructureFit]()
+    for ranks in from_equations(record, strong.drive.theta, least=0.0 if followed else TOLD_WITHOUT_MODES):
+        fits = _fits_of(ranks, strong, highest, longest)
+        if fits is None:
+            return []
+        best = fits if fits and (not best or fits[0].bic < best[0].bic) else best
+        if best and explains(best[0], highest):
+            break
+    if not best or best[0].bic >= strong.bic:
+        return []
+    elsewhere = {fit.forces: fit for fit in reversed(best) if fit.forces != best[0].forces and not misses(fit)}
+    return [best[0], *(fitted(fit) for fit in elsewhere.values())]
+
+
+def _fits_of(
+    ranks: list[list[StructureFit]], strong: DrivenFit, highest: float, longest: int
+) -> list[StructureFit] | None:
+    """Return the fits that starts of each rank lead to, the best one first; None where modes without friction do."""
     fits, starts = list[StructureFit](), list[StructureFit]()
-    for rank in from_equations(record, float(np.min(strong.drive.theta.imag))):
+    for rank in ranks:
         likely = [start for start in rank if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
-        likely = [start for start in likely if steps_of(start.theta, count, ForceKind.FRICTION) <= longest]
+        likely = [s for s in likely if steps_of(s.theta, s.residual.shape[1], ForceKind.FRICTION) <= longest]
         starts += likely
         for start in likely:
             fits = _with_fit(fits, start, highest)
             # Modes without friction leave as little.
             if fits and not misses(fits[0]) and fits[0].bic >= highest + NOT_RULED_OUT:
-                return []
+                return None
         # Of the right friction, most starts lead near the best fit: of none that leads near it, more lead nowhere.
         if not fits or explains(fits[0], highest) or not _near(fits[0], highest):
             break
     if fits and not explains(fits[0], highest) and _near(fits[0], highest):
         for start in (start for start in starts if start.forces == fits[0].forces):
             fits = _with_fit(fits, start, highest, none=NOT_AT_ALL)
-    if not fits or fits[0].bic >= strong.bic:
-        return []
-    elsewhere = {fit.forces: fit for fit in reversed(fits) if fit.forces != fits[0].forces and not misses(fit)}
-    return [fits[0], *(fitted(fit) for fit in elsewhere.values())]
+    return fits
 
 
 def _near(fit: StructureFit, highest: float) -> bool:
@@ -88,4 +109,15 @@ def followed_on(start: StructureFit, *, reached: float, none: float = TOLD_BY_EQ
         if count > TELLING_CYCLES * cycle and fit.loss > (reached + LEFT_OVER) * fit.residual.size:
             return None
         count = int(GROWTH * count) + 1
-    return fitted(fit.with_record(record), steps=STEPS_EACH)
+    return with_turns(fitted(fit.with_record(record), steps=STEPS_EACH))
+
+
+def with_turns(fit: StructureFit) -> StructureFit:
+    """Return a fit to accelerations whose samples tell what friction is where it turns, if that leaves less.
+
+    Fits begin with the mean of friction about each sample, which changes evenly where it turns earlier.
+    """
+    if fit.order < 2:
+        return fit
+    told = fitted(fit.with_structures(replace(fit.structures, turns=True)), steps=STEPS_EACH)
+    return told if told.loss < fit.loss else fit

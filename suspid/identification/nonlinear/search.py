@@ -42,8 +42,8 @@ MOST_MODES = 6
 MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
 # Cycles of a beginning in which forces are sought: in fewer, a shift is not told from a change of phase.
 FEWEST_CYCLES = 6
-# Linear modes explain at least this share of the energy of each channel where a structure is sought: friction and
-# springs that bend leave less. Where a sensor moves in other ways, no structure explains it.
+# A structure explains at least this share of the energy of each channel, and so do linear modes where it is sought from
+# these. Where a sensor moves in other ways, none does.
 EACH_EXPLAINED = 0.9
 
 
@@ -113,14 +113,15 @@ def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Be
         record = record if alone is None else replace(record, theta=alone.drive.theta, amplitudes=alone.amplitudes)
     means = Means.of(record, found, linear)
     plain, _ = _linear_modes(means.record, most)
-    if plain is None or not np.all(_follows(means.record.values, plain.squares)):
+    if plain is None:
         return None
+    followed = bool(np.all(_follows(means.record.values, plain.squares)))
     try:
-        structure = means.structure(plain, most=most)
+        structure = means.structure(plain, most=most, followed=followed)
     except np.linalg.LinAlgError:
         # A motion that runs away has no covariance.
         return None
-    if structure is None:
+    if structure is None or not np.all(_follows(values, structure.squares)):
         return None
     return Bent(fit=plain, forces=structure.forces, order=structure.order, structure=structure)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from suspid.identification.noise import degrees_of_freedom
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import OF_SPEED, Force
+from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind
 from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
@@ -23,6 +23,8 @@ from suspid.values import frozen_real
 JUMP = 3e-5
 # Relative change of each parameter for derivatives.
 CHANGE = 1e-6
+# A mass slides all the time where the mean of the sign of its speed is beyond this.
+SLIDES = 1 - 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -206,8 +208,37 @@ def _observed(record: Record, structures: Structures, motion: Motion, order: int
     if order == 2:
         # A force shows in the accelerations at once.
         at_once = np.einsum("pkc,pkj->pcj", structures.shapes * structures.theta[:, :, None], structures.gains).real
-        out = out + np.matmul(at_once, motion.acting)
+        about = motion.acting
+        if structures.kind is ForceKind.FRICTION:
+            before = np.concatenate([about[:, :, :1], about[:, :, :-1]], axis=2)
+            about = 0.5 * (before + about)
+        if structures.turns:
+            left = _less_nuisances(record, record.values - out[0] - at_once[0] @ about[0])
+            about = _with_turns(about, motion.acting[0], at_once[0], left)
+        out = out + np.matmul(at_once, about)
     return _less_nuisances(record, np.asarray(out))
+
+
+def _with_turns(about: RealArray, acting: RealArray, through: RealArray, left: RealArray) -> RealArray:
+    """Return forces at the samples ``about`` which they have means, (structure, force, sample), as a record tells them.
+
+    At samples next to those between which friction turns, stops a mass or lets it go, it is what explains best what
+    means have ``left`` of accelerations, (channel, sample), between what it is about them: when it turns is not known
+    to a part of a sample. It acts on them ``through`` a matrix (channel, force).
+    """
+    count = acting.shape[1]
+    near = np.stack([np.pad(acting, ((0, 0), (2, 1)), mode="edge")[:, k : k + count] for k in range(4)])
+    turns = np.any(np.abs(near) > SLIDES, axis=0) & (np.ptp(near, axis=0) > 1 - SLIDES)
+    least, most = np.min(near, axis=0), np.max(near, axis=0)
+    found = about[0].copy()
+    rest = left
+    even = ~np.any(turns, axis=0)
+    weights = 1 / (np.mean(rest**2, axis=1, where=even) + 1e-300) if np.any(even) else np.ones(len(rest))
+    for j, push in enumerate(through.T):
+        apart = (push * weights) @ rest / (np.sum(push**2 * weights) + 1e-300)
+        told = np.where(turns[j], np.clip(found[j] + apart, least[j], most[j]), found[j])
+        rest, found[j] = rest - push[:, None] * (told - found[j]), told
+    return np.where(turns, found, about)
 
 
 def _less_nuisances(record: Record, values: RealArray) -> RealArray:
