@@ -11,6 +11,9 @@ from suspid import Settings, analyse, identify
 from suspid.analysis.support import of_a_wave
 from suspid.analysis.swelling import beats
 from suspid.analysis.used import Used
+from suspid.identification.noise import WhiteNoise
+from suspid.identification.nonlinear.signs import rises_again
+from suspid.identification.selection import select
 from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import Check, Level, ModeCheck, Remark
@@ -103,3 +106,30 @@ def test_few_modes_explain_nearly_all_of_what_beats(third: float, size: float, t
     found = identify(as_response(time, (motion + noise)[None], ["left"]))
     assert len(found.modes) == 2 + (third > 0)
     assert beats(found) == times
+
+
+class TestRisesAgain:
+    """A tuned mass damper: near modes of one shape, whose motion sinks and rises while neither swells."""
+
+    TIME = np.asarray(np.arange(1200.0), float)
+
+    def told(self, motion: RealArray, noise: float = 1e-3) -> bool:
+        values = np.stack([motion, 0.5 * motion]) + noise * np.random.default_rng(1).standard_normal((2, 1200))
+        centred = values - values.mean(axis=1, keepdims=True)
+        return rises_again(select(centred, noise=WhiteNoise(least=np.full(2, 1e-22))))
+
+    def mode(self, wn: float, zeta: float) -> RealArray:
+        return np.asarray(np.exp(-zeta * wn * self.TIME) * np.cos(wn * self.TIME), float)
+
+    def test_two_modes_do(self) -> None:
+        beat = self.mode(0.181, 0.042) + 0.6 * self.mode(0.197, 0.024)
+        assert self.told(beat)
+        assert not self.told(self.mode(0.181, 0.042))
+
+    def test_parts_of_one_whose_spring_stiffens_do_not(self) -> None:
+        def rate(_: float, state: RealArray) -> RealArray:
+            x, speed = state
+            return np.array([speed, -(0.19**2) * x * (1 + 0.3 * x**2) - 0.0076 * speed])
+
+        solved = solve_ivp(rate, (0.0, 1200.0), [1.0, 0.0], t_eval=self.TIME, rtol=1e-9, atol=1e-12)
+        assert not self.told(solved.y[0])

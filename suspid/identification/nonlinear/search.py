@@ -28,13 +28,15 @@ from suspid.identification.nonlinear.feedback import (
 from suspid.identification.nonlinear.lengthening import at_full_rate, lengthened
 from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.rates import Means, WithoutForces
-from suspid.identification.nonlinear.signs import distorted, overtones_alone
+from suspid.identification.nonlinear.signs import distorted, overtones_alone, rises_again
 from suspid.identification.nonlinear.standing import driven_stands, energies, misses
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
 
 # Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be chance.
 NEARLY = 0.9
+# Where two modes beat, forces of a single one leave more than this multiple of what they leave.
+FAR_MORE = 2.0
 # Modes at most where their number is not given.
 MOST_MODES = 6
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
@@ -94,9 +96,16 @@ def _found(sought: _Sought) -> Bent | None:
         return found
     if not distorted(selection) or (misses(found.fit) and overtones_alone(selection)):
         return None
+    if found.count == 1 and _far_more(found, selection) and rises_again(selection):
+        return None
     # Poles that are parts of a mode leave less of it than forces do, but not of a motion that these do not follow.
     followed = _follows(values, np.sum(selection.residual**2, axis=1))
     return found if np.all(_follows(values, found.fit.squares) | ~followed) else None
+
+
+def _far_more(found: Bent, selection: Selection) -> bool:
+    """Return whether a fit with forces leaves far more of a channel than linear modes do."""
+    return bool(np.any(found.fit.squares > FAR_MORE**2 * np.sum(selection.residual**2, axis=1)))
 
 
 def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Bent | None:

@@ -16,6 +16,8 @@ FIRST_MULTIPLES = 3
 PART = 1.1
 # Unless its damping ratio is above this: what dies within a cycle belongs to the start of the motion.
 RINGS = 0.5
+# Samples of an envelope, by how much it rises after its least, and above what a fit leaves, where two modes beat.
+ENVELOPE_SAMPLES, RISES_BY, ABOVE_RESIDUAL = 400, 2.0, 5.0
 
 
 def unlike_linear(selection: Selection) -> bool:
@@ -55,6 +57,26 @@ def distorted(selection: Selection) -> bool:
         )
         for k in range(len(pairs))
     )
+
+
+def rises_again(selection: Selection) -> bool:
+    """Return whether what is near the strongest pair sinks, and rises again above the noise: one mode alone does not.
+
+    Parts of a mode whose frequency shifts have a node as well, of what is small beside what they explain.
+    """
+    fit, pairs = selection.fit, selection.fit.poles.pairs
+    amplitudes = np.abs(fit.amplitudes[: len(pairs)])
+    energy = np.sum(amplitudes**2 / (fit.squares + 1e-300), axis=1) / -np.minimum(pairs.real, -1e-300)
+    strongest = pairs[int(np.argmax(energy))] if len(pairs) else 0j
+    near = np.abs(np.log(np.abs(pairs / strongest))) < np.log(PART) if len(pairs) else np.zeros(0, bool)
+    if np.sum(near) < 2:
+        return False
+    samples = np.unique(np.linspace(0, fit.count - 1, ENVELOPE_SAMPLES).astype(int))
+    courses = np.exp(np.outer(samples, pairs[near] - 1j * strongest.imag))
+    size = 2 * np.abs(courses @ fit.amplitudes[: len(pairs)][near])
+    lowest = np.minimum.accumulate(size, axis=0)
+    loud = size > ABOVE_RESIDUAL * np.sqrt(fit.squares / fit.count)
+    return bool(np.any(loud & (size > RISES_BY * lowest)))
 
 
 def overtones_alone(selection: Selection) -> bool:
