@@ -354,8 +354,8 @@ class RecordCheck(Code):
         "guessed unit",
         sentence(
             lambda n: (
-                f"The {n['name']} is not stated. It is taken as {n['unit']}, because steps of {n['step']:.4g} s are "
-                f"too slow for a suspension; if it is {' or '.join(n['others']) or 'another unit, or no time'}, all "
+                f"The {n['name']} is not stated. It is taken as {n['unit']}: as seconds, steps of {n['step']:.4g} are "
+                f"too slow for a suspension. If it is {' or '.join(n['others']) or 'another unit, or no time'}, all "
                 f"frequencies are wrong by the same factor. Give {rates_of_units(n)}."
             )
         ),

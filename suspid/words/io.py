@@ -154,7 +154,7 @@ class LeftOut(Code):
         "finer_unit",
         sentence(
             lambda n: (
-                f"is not stated; taken as {n['unit']}, as steps of {n['step']:.4g} s are too slow for a suspension"
+                f"is not stated; taken as {n['unit']}: steps of {n['step']:.4g} seconds are too slow for a suspension"
                 + (f"; give {rates_of_units(n)}" if n["others"] else f"; give {Argument('fs')} if they are s, or finer")
             )
         ),
