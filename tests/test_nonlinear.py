@@ -323,7 +323,8 @@ class TestShown:
             table = text.partition("amplitude in x")[2].partition("\n\n")[0]
             assert [line.split()[0] for line in table.splitlines()[2 : 2 + shown]][:: shown - 1] == [rows[0], rows[-1]]
             assert ("more in .details()" in table) is (shown < len(rows))
-            assert f"mode 1: at an amplitude of {each.holds_at:.3g} in x; others are below" in text.splitlines()
+            held = f"the frequency is that at an amplitude of {each.holds_at:.3g} in x, others are below"
+            assert f"mode 1: means over all cycles; {held}" in text.splitlines()
         content = json.loads(json.dumps(identification_to_dict(found, file="x.csv", warnings=())))
         assert content["forces"][0]["kind"] == "friction"
         assert len(content["amplitude_dependence"][0]["zeta"]) == len(found.amplitude_dependence[0].zeta)

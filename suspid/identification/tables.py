@@ -38,7 +38,8 @@ def tables_of(found: Identification, *, whole: bool = False) -> str:
             "residual / noise": [f"{value:.3g}" for value in found.loudness],
         }
         held_at = [
-            f"mode {mode}: at an amplitude of {each.holds_at:.3g} in {named(each.channel)}; others are below"
+            f"mode {mode}: means over all cycles; the frequency is that at an amplitude of {each.holds_at:.3g} in "
+            f"{named(each.channel)}, others are below"
             for mode, each in varying
         ]
         parts += ["\n".join([str(found.modes), *held_at]), text_table(quality, widest=TERMINAL)]

@@ -374,8 +374,8 @@ class ModeCheck(Code):
             lambda n: (
                 f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} ± "
                 f"{n['high_within']:.1g} at {n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} ± "
-                f"{n['low_within']:.1g} at {n['low']:.3g} (in the unit of channel {n['channel']!r}). The table holds "
-                f"at {n['holds']:.3g}."
+                f"{n['low_within']:.1g} at {n['low']:.3g} (in the unit of channel {n['channel']!r}). The table "
+                f"has means; its frequency is that at {n['holds']:.3g}."
             )
         ),
     )

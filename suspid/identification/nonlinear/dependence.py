@@ -40,7 +40,7 @@ class AmplitudeDependence:
     wn_std, zeta_std : ndarray (window,)
         Their standard deviations.
     holds_at : float
-        The amplitude at which the values of the table of modes hold: the pole there is the mean over all cycles.
+        The amplitude at which the pole is nearest to the mean over all cycles, which the table of modes has.
     """
 
     spans: tuple[tuple[Second, Second], ...]

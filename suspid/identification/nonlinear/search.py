@@ -36,7 +36,7 @@ from suspid.units import RealArray
 # Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be chance.
 NEARLY = 0.9
 # Where two modes beat, forces of a single one leave more than this multiple of what they leave.
-FAR_MORE = 2.0
+LEFT_FAR_MORE = 2.0
 # Modes at most where their number is not given.
 MOST_MODES = 6
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
@@ -105,7 +105,7 @@ def _found(sought: _Sought) -> Bent | None:
 
 def _far_more(found: Bent, selection: Selection) -> bool:
     """Return whether a fit with forces leaves far more of a channel than linear modes do."""
-    return bool(np.any(found.fit.squares > FAR_MORE**2 * np.sum(selection.residual**2, axis=1)))
+    return bool(np.any(found.fit.squares > LEFT_FAR_MORE**2 * np.sum(selection.residual**2, axis=1)))
 
 
 def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Bent | None:
