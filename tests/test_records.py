@@ -331,7 +331,12 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "t,seat\n0,5\n1,6\n2,1-2\n3,2-3\n4,3-4\n5,4-5\n", {}, "'1-2' are not .*; write one number in each cell"),
     ("r.txt", "0 1.5, 2\n1 2.5, 3\n", {"fs": 1}, "'1.5,' are not .* blanks and commas; .* alone between commas"),
     ("r.csv", "1,234\n1,235\n2,500\n", {"fs": 1}, "'1,234' may be one number or two"),
-    ("r.csv", "t,x\n0,0,1,5\n0,5,2,5\n", {}, "names 2 columns, but the rows have 4 cells .*decimals have a comma"),
+    (
+        "r.csv",
+        "t,x\n0,0,1,5\n0,5,2,5\n",
+        {},
+        "names 2 columns, but the rows have 4 cells .*decimals have a comma.*add them to line 1",
+    ),
     ("r.csv", "t,seat\n0,1\n1,2,3\n", {}, r"line 3 has 3 cells, the rows above have 2 \(separated by commas\)"),
     ("r.csv", "t,seat\n0,1\n1\n2,3\n", {}, "line 3 has 1 cells, the rows above have 2"),
     ("r.csv", "t,seat\n0,1\n1,2\nt,seat\n0,1\n1,2\n", {}, "line 4 contains no number: 't,seat'"),

@@ -201,6 +201,7 @@ def _refuse_misfit(line: str, number: int, columns: Columns) -> None:
         )
     if 1 < len(cells) != width and set(kinds) <= {"text"} and not re.match(r"[^:=]*[:=]", cells[0]):
         hint = "; if decimals have a comma, separate cells by semicolons or tabs" if dialect.delimiter == "," else ""
+        hint += f"; if names are missing, add them to line {number}" if len(cells) < width else ""
         raise RecordError(
             f"line {number} names {len(cells)} columns, but the rows have {width} cells ({dialect}){hint}"
         )
