@@ -352,7 +352,7 @@ def test_of_a_column_without_a_name_it_is_guessed_that_it_is_a_time(tmp_path: Pa
     assert found.modes.wn == pytest.approx([20.0], rel=2e-3)
     assert found.verdict.level is Level.CARE
     (check,) = [check for check in found.verdict.checks if check.remark.code is RecordCheck.GUESSED_UNIT]
-    assert "if it is another unit, or no time, all frequencies are wrong" in str(check)
+    assert "If it is another unit, or no time, all frequencies are wrong" in str(check)
 
 
 def test_samples_too_slow_for_a_suspension_call_for_care(tmp_path: Path) -> None:

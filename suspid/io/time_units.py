@@ -135,7 +135,7 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     --------
     >>> rows = np.arange(100.0)
     >>> [str(unit_remark(step * rows))[:29] for step in (0.005, 2.5, 1872)]
-    ['None', 'is not stated; taken as ms, a', 'is not stated; taken as us, a']
+    ['None', 'is not stated; taken as ms: s', 'is not stated; taken as us: s']
     >>> print(unit_remark(rows / 200 / 60))
     is not stated; taken as s: 0.0083 s at 12000 Hz; give fs=200 if they are min
     """
