@@ -228,7 +228,7 @@ def test_a_linear_decay_whose_fast_mode_has_died_is_left_alone() -> None:
 
 @pytest.mark.parametrize("held", [0.0, 0.4])
 def test_of_a_linear_decay_beyond_doubt_no_part_is_tried(held: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All channels rest within their noise in the end. That the parts before are not tried is a tenth of the time."""
+    """All channels rest within their noise in the end: what they do before is not tried again."""
 
     def never(*_: object) -> None:
         raise AssertionError("a part was tried")

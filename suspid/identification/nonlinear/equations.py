@@ -111,9 +111,13 @@ def from_equations(record: Record, theta: ComplexArray, *, least: float = 0.0) -
     measured = [Measured.of(record.values, order, theta, least) for order in range(ORDERS)]
     untold = [_untold(each, halves) for each in measured]
     likely = [_likely(record, each, halves) for each in measured]
-    losses = [min((start.loss for start in starts), default=np.inf) for starts in likely]
+    losses = [min((s.loss for starts in places for s in starts.values()), default=np.inf) for places in likely]
     for order in dict.fromkeys((int(np.argmin(untold)), int(np.argmin(losses)), 0)):
-        found = [_starts(record, measured[order], start.forces, halves) for start in likely[order]]
+        found = [
+            starts | _starts(record, measured[order], forces, [half for half in halves if half not in starts])
+            for starts in likely[order]
+            for forces in [next(iter(starts.values())).forces]
+        ]
         ranks = [sorted(starts.values(), key=lambda start: start.loss) for starts in found]
         yield [sorted((each[k] for each in ranks if k < len(each)), key=lambda s: s.loss) for k in range(MOST_WIDTHS)]
 
@@ -129,8 +133,8 @@ def _ground(measured: Measured) -> tuple[Force, ...]:
     return forces_of(ForceKind.FRICTION, len(measured.values), most=len(measured.values))
 
 
-def _likely(record: Record, measured: Measured, halves: list[int]) -> list[StructureFit]:
-    """Return a likely start with friction at each place: that of chains with the likeliest width of the ground."""
+def _likely(record: Record, measured: Measured, halves: list[int]) -> list[dict[int, StructureFit]]:
+    """Return starts by half widths with friction at each place: those of chains with the likeliest of the ground."""
     ground = _ground(measured)
     starts = _starts(record, measured, ground, halves)
     if not starts:
@@ -138,7 +142,7 @@ def _likely(record: Record, measured: Measured, halves: list[int]) -> list[Struc
     half = min(starts, key=lambda half: starts[half].loss)
     equations = equations_of(measured, ground, half)
     chains = rubbing(equations.stiffness) if equations is not None else ()
-    return [starts[half], *(start for forces in chains if (start := _start(record, measured, forces, half)))]
+    return [starts, *(places for forces in chains if (places := _starts(record, measured, forces, [half])))]
 
 
 def rubbing(stiffness: RealArray) -> tuple[tuple[Force, ...], ...]:

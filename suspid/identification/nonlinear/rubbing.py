@@ -24,8 +24,8 @@ TOLD_BY_EQUATIONS = 0.3
 NOT_AT_ALL = 0.003
 # Cycles after which a stretch tells what friction is not, and the loss per sample that must be left for that.
 TELLING_CYCLES, LEFT_OVER = 1.5, 1.5
-# Share of accelerations that equations of motion tell in each channel where linear modes follow no motion: noise of any
-# kind under the same weights leaves them .5, cars whose friction hides their wheels .7 and more.
+# Share of accelerations that equations of motion tell in each channel where linear modes follow no motion: they tell
+# less of noise of any kind under the same weights, more of cars whose friction hides their wheels.
 TOLD_WITHOUT_MODES = 0.6
 # Loss per sample by which the first fits from the equations of motion may be above what must be reached.
 LEADS_NEAR = 1.0
