@@ -22,7 +22,7 @@ from suspid.io.formats import READERS
 from suspid.records import as_response
 
 FUZZ = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-KINDS = [".csv", ".mat", ".npz", ".h5", ".parquet", ".uff", ".tdms", ".mf4", ".wav", ".npy"]
+KINDS = [".csv", ".mat", ".xlsx", ".npz", ".h5", ".parquet", ".uff", ".tdms", ".mf4", ".wav", ".npy"]
 
 
 @cache
@@ -43,6 +43,11 @@ def true_file(suffix: str, folder: Path) -> bytes:
         h5py = pytest.importorskip("h5py")
         with h5py.File(path, "w") as file:
             file["t"], file["seat"] = t, y
+    elif suffix == ".xlsx":
+        book = pytest.importorskip("openpyxl").Workbook()
+        for row in (["t", "seat"], *zip(t.tolist(), y.tolist(), strict=True)):
+            book.active.append(row)
+        book.save(path)
     elif suffix == ".uff":
         uff = pytest.importorskip("pyuff")
         data = uff.prepare_58(
@@ -90,7 +95,7 @@ class TestSound:
             warnings.simplefilter("ignore", RecordWarning)
             assert read_record(path).y.size == 64
 
-    @pytest.mark.parametrize("suffix", KINDS[3:])
+    @pytest.mark.parametrize("suffix", KINDS[4:])
     def test_an_unknown_name_is_read_by_its_mark(self, tmp_path: Path, suffix: str) -> None:
         path = tmp_path / "r.data"
         path.write_bytes(true_file(suffix, tmp_path))

@@ -128,7 +128,7 @@ class TestThousands:
 @pytest.mark.parametrize("start", [b"\x1f\x8b\x08\x00", b"PK\x03\x04"])
 def test_other_files_under_the_name_of_text_are_told(tmp_path: Path, start: bytes) -> None:
     (tmp_path / "r.csv").write_bytes(start + bytes(range(256)))
-    with pytest.raises(RecordError, match=r"it looks like .*\((unpack it|export the sheet as CSV)\)"):
+    with pytest.raises(RecordError, match=r"it looks like .*\((unpack it|name a spreadsheet .*)\)"):
         read_recording(tmp_path / "r.csv")
 
 

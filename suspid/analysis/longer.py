@@ -73,8 +73,21 @@ def with_its_end(record: control.TimeResponseData, best: Used, settings: Setting
             continue
         more = with_identification(used_of(record, best.decays, decay), settings)
         if more.identification is not None and _shows_more(more.identification, best.identification):
-            return more
+            return _with_its_events(record, more)
     return best
+
+
+def _with_its_events(record: control.TimeResponseData, used: Used) -> Used:
+    """Return a decay without the doubt that most events are none, where it is most of a record and leaves only noise.
+
+    Modes that beat rise again and again: what was taken for other events is part of it.
+    """
+    decay, found = used.used[0], used.identification
+    doubts = tuple(doubt for doubt in decay.doubts if doubt.code is not DecayDoubt.COMPANY)
+    most = 2 * as_signal(used.record).values.shape[1] > as_signal(record).values.shape[1]
+    if doubts == decay.doubts or found is None or not settled(found) or not most:
+        return used
+    return replace(used_of(record, used.decays, replace(decay, doubts=doubts)), identification=found)
 
 
 def longest(record: control.TimeResponseData, best: Used) -> Used | None:

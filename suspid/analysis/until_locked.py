@@ -89,6 +89,8 @@ def released_and_locked(record: control.TimeResponseData, settings: Settings) ->
         if free is not None and linear(free):
             return None
         for part, moved in shortened(record, begins, _time(signal, last - 1), settings):
+            if moved is not None and len(moved.modes) > 1 and linear(moved):
+                return None
             if moved is not None and len(moved.modes) > 1 and explains_swings(moved) and _rubs(moved):
                 return Used(
                     record=part, decays=(), used=(), notes=(part_used(part, Note.UNTIL_LOCKED),), identification=moved

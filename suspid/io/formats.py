@@ -59,13 +59,14 @@ FORMATS = (
     Format("mdf.mdf", (".mf4", ".mdf"), "an MDF file", ((0, b"MDF     "),)),
     Format("npz", (".npy", ".npz"), "a NumPy array", ((0, b"\x93NUMPY"),)),
     Format("wav", (".wav", ".wave"), "a WAV file", ((8, b"WAVE"),)),
+    Format("sheets", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), "a spreadsheet"),
 )
 BY_SUFFIX = {suffix: kind for kind in FORMATS for suffix in kind.suffixes}
 READERS: dict[str, Reader] = {suffix: kind.read for suffix, kind in BY_SUFFIX.items()}
 # What cannot be read, and what to do.
 UNREADABLE = (
-    (b"PK\x03\x04", "a spreadsheet or an archive (export the sheet as CSV)"),
-    (b"\xd0\xcf\x11\xe0", "an old spreadsheet (export the sheet as CSV)"),
+    (b"PK\x03\x04", "a spreadsheet or an archive (name a spreadsheet .xlsx or .ods, unpack an archive)"),
+    (b"\xd0\xcf\x11\xe0", "an old spreadsheet (name it .xls)"),
     (b"\x1f\x8b", "compressed with gzip (unpack it)"),
     (b"{", "JSON (a record is a table)"),
 )

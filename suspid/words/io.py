@@ -207,6 +207,7 @@ class LeftOut(Code):
         "does not end with a line feed: its last number {cell!r} is whole unless the file was cut off there",
     )
     OTHER_TABLE = "other_table", "are another table, of {lines} lines: {line} …; save it as a file of its own to use it"
+    OTHER_SHEET = "other_sheet", "is another sheet, of {rows} rows; save it as a file of its own to use it"
     FEWER_ROWS = "fewer_rows", "has {there} of the {stated} rows that the file states: the rest is missing"
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"

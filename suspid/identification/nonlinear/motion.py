@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.nonlinear.bent_motion import BentSteps
 from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind, size_of
@@ -117,9 +118,10 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
             acting[:, :, done : done + taken] = signs[:, :, None]
             z, done = ahead[:, :, taken - 1], done + taken
         # Then a mass stops, is held or breaks loose.
-        if done < total:
-            z, acting[:, :, done] = stepper.after(z, acting[:, :, max(done - 1, 0)])
-            holds = bool(np.any(np.abs(acting[:, :, done]) < 1))
+        if done < total and taken < AHEAD:
+            z, acting[:, :, done] = stepper.after(z)
+            # What turns slides on.
+            holds = not taken and bool((np.abs(acting[:, :, done]) < 1).any())
             done += 1
             states[:, :, done] = z
     acting[:, :, -1] = acting[:, :, max(total - 1, 0)]
@@ -152,48 +154,75 @@ class _Stepper:
     powers: ComplexArray  # (structure, pole, step): of one step, two and so on
     still: RealArray  # (force,): speeds below these are rest
     held: ComplexArray  # (structure, force, pole): answer of the states to a force over a step
+    centres: ComplexArray  # (structure, force, pole): and states at which it holds them
     answers: RealArray  # (structure, force, force): and of each speed that a force follows, the last index
+    own: RealArray  # (structure, force): the same of its own speed
     slope: ComplexArray  # (structure, pole, force)
-    across: ComplexArray  # (structure, force, pole): the same
+    speeds: ComplexArray  # (structure, pole, twice the forces): now, and after a step without forces
+    across: ComplexArray  # (structure, force, pole): as the slope
 
     def sliding(self, z: ComplexArray) -> tuple[ComplexArray, RealArray, int]:
         """Return the states after steps (structure, pole, step), the signs, and in how many steps every mass slides."""
-        signs = np.sign((z[:, None] @ self.slope)[:, 0].real)
-        centre = (signs[:, None] @ self.held)[:, 0] / (1 - self.powers[:, :, 0])
-        ahead = centre[:, :, None] + self.powers * (z - centre)[:, :, None]
+        signs = np.sign((z[:, None] @ self.slope).real)
+        centre = (signs @ self.centres)[:, 0]
+        ahead = self.powers * (z - centre)[:, :, None]
+        ahead += centre[:, :, None]
+        signs = signs[:, 0]
         ends = (self.across @ ahead).real * signs[:, :, None]
-        slides = np.all(ends > self.still[:, None], axis=(0, 1))
-        return ahead, signs, len(slides) if slides.all() else int(np.argmin(slides))
+        slides = np.logical_and.reduce(ends > self.still[:, None], axis=(0, 1))
+        first = int(slides.argmin())
+        return ahead, signs, len(slides) if slides[first] else first
 
-    def after(self, z: ComplexArray, before: RealArray) -> tuple[ComplexArray, RealArray]:
-        """Return the states after a step, and the mean of the forces over it, from those of the step before."""
-        free, acting = self.powers[:, :, 0] * z, before.copy()
-        self._rub(z, free, acting)
-        return free + (acting[:, None] @ self.held)[:, 0], acting
+    def after(self, z: ComplexArray) -> tuple[ComplexArray, RealArray]:
+        """Return the states after a step, and the mean of the forces over it."""
+        acting = self._rub(z)
+        return self.powers[:, :, 0] * z + (acting[:, None] @ self.held)[:, 0], acting
 
-    def _rub(self, z: ComplexArray, free: ComplexArray, acting: RealArray) -> None:
-        """Set the friction of a step, given what it was before."""
-        speed = (z[:, None] @ self.slope)[:, 0].real
-        plain = (free[:, None] @ self.slope)[:, 0].real
-        acting[:] = np.sign(speed)
-        # The second sweep has the friction of this step at the other places.
-        for _ in range(min(2, acting.shape[1])):
-            for j in range(acting.shape[1]):
-                own = self.answers[:, j, j]
-                rest = plain[:, j] + np.add.reduce(self.answers[:, :, j] * acting, axis=1) - own * acting[:, j]
-                acting[:, j] = friction(speed[:, j], rest, own, still=float(self.still[j]))
+    def _rub(self, z: ComplexArray) -> RealArray:
+        """Return the friction of a step: the sign of each speed, unless a mass turns or is held.
+
+        There it is what it is beside the friction elsewhere: a second sweep has what the first found at other places.
+        """
+        count = len(self.still)
+        both = (z[:, None] @ self.speeds)[:, 0].real
+        speed, plain = both[:, :count], both[:, count:]
+        signs = np.sign(speed)
+        acting, stuck = signs.copy(), np.abs(speed) <= self.still
+        rest, events = self._beside(acting, plain, signs, stuck)
+        found = set[int]()
+        for j in 2 * tuple(range(count)):
+            if found == {j} or not (events[j] or j in found):
+                continue
+            acting[:, j] = friction(speed[:, j], rest[:, j], self.own[:, j], still=float(self.still[j]))
+            found.add(j)
+            rest, events = self._beside(acting, plain, signs, stuck)
+        return acting
+
+    def _beside(
+        self, acting: RealArray, plain: RealArray, signs: RealArray, stuck: NDArray[np.bool_]
+    ) -> tuple[RealArray, NDArray[np.bool_]]:
+        """Return the speeds after a step beside the friction elsewhere, and where one turns or rests, (force,)."""
+        rest = plain + (acting[:, None] @ self.answers)[:, 0] - self.own * acting
+        turned = (rest + self.own * signs) * signs < 0
+        return rest, np.logical_or.reduce(turned | stuck, axis=0)
 
 
 def _stepper(of: Structures, steps: int) -> _Stepper:
     turn, place = of.theta / steps, of.places
     held = (np.expm1(turn) / of.theta)[:, :, None] * of.gains
     slope = place * of.theta[:, :, None]
+    powers = np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1))
+    answers = np.einsum("pkj,pki->pij", slope, held).real.copy()
+    across = np.ascontiguousarray(np.swapaxes(held, 1, 2))
     return _Stepper(
-        powers=np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1)),
+        powers=powers,
         still=EXACT * of.scales,
-        held=np.ascontiguousarray(np.swapaxes(held, 1, 2)),
-        answers=np.einsum("pkj,pki->pij", slope, held).real.copy(),
+        held=across,
+        centres=across / (1 - powers[:, None, :, 0]),
+        answers=answers,
+        own=np.diagonal(answers, axis1=1, axis2=2).copy(),
         slope=slope,
+        speeds=np.concatenate([slope, slope * powers[:, :, :1]], axis=2),
         across=np.ascontiguousarray(np.swapaxes(slope, 1, 2)),
     )
 
@@ -216,7 +245,7 @@ def friction(speed: RealArray, rest: RealArray, answer: RealArray, *, still: flo
     stuck = np.abs(speed) <= still
     turned = slipped * sign < 0
     # Mostly every mass slips on.
-    if not np.any(turned | stuck):
+    if not (turned | stuck).any():
         return np.asarray(sign)
     against = np.where(answer < 0, answer, -np.inf)
     holds = np.minimum(np.maximum(-rest / against, -1.0), 1.0)

@@ -57,7 +57,11 @@ HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 
 def read_delimited(path: Path) -> Table:
     """Return the table of a text file; delimiter, decimal sign, header and units are detected."""
-    content = read_bytes(path, error=RecordError)
+    return table_of_text(read_bytes(path, error=RecordError))
+
+
+def table_of_text(content: bytes) -> Table:
+    """Return the table of the content of a text file."""
     ends_within = is_open(content)
     text, left_out = decoded(content)
     del content

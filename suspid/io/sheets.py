@@ -1,0 +1,78 @@
+"""Spreadsheets as tables: the sheet with the most numbers is read as text is."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import date, datetime, time, timedelta
+from pathlib import Path
+from typing import Any
+
+from suspid.errors import RecordError
+from suspid.files import printable, read_bytes
+from suspid.io.foreign import sheltered
+from suspid.io.limits import check_memory
+from suspid.io.tables import Table
+from suspid.io.text.delimited import table_of_text
+from suspid.words import LeftOut, Remark
+
+# Whole numbers up to this have no decimals in text.
+WHOLE = 1e15
+
+
+def read_sheets(path: Path) -> Table:
+    """Return the table of a spreadsheet, of its sheet with the most numbers; what formulas gave is read, not they."""
+    content = read_bytes(path, error=RecordError)
+    sheets = sheltered(lambda: _sheets(content), extra="sheets", suffix=path.suffix)
+    numbers = {name: sum(isinstance(cell, float) for row in rows for cell in row) for name, rows in sheets.items()}
+    used = max(numbers, key=lambda name: numbers[name], default="")
+    if not numbers.get(used):
+        raise RecordError("has no sheet with numbers")
+    others = {name: rows for name, rows in sheets.items() if name != used and numbers[name]}
+    table = table_of_text(text_of(sheets[used]))
+    left_out = {f"sheet {printable(n)}": Remark(LeftOut.OTHER_SHEET, {"rows": len(r)}) for n, r in others.items()}
+    return replace(table, unusable={**table.unusable, **left_out})
+
+
+def _sheets(content: bytes) -> dict[str, list[list[Any]]]:
+    """Return the rows of cells of each sheet that is shown, or of all where none is, with blank ones above them."""
+    from python_calamine import CalamineWorkbook, SheetTypeEnum, SheetVisibleEnum
+
+    if zipfile.is_zipfile(io.BytesIO(content)):
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            check_memory(sum(entry.file_size for entry in archive.infolist()), len(content))
+    with CalamineWorkbook.from_filelike(io.BytesIO(content)) as book:
+        every = [sheet for sheet in book.sheets_metadata if sheet.typ == SheetTypeEnum.WorkSheet]
+        shown = [sheet for sheet in every if sheet.visible == SheetVisibleEnum.Visible] or every
+        out = dict[str, list[list[Any]]]()
+        for one in shown:
+            sheet = book.get_sheet_by_name(one.name)
+            above = sheet.start[0] if sheet.start else 0
+            out[one.name] = [[] for _ in range(above)] + sheet.to_python()
+    return out
+
+
+def text_of(rows: Sequence[Sequence[Any]]) -> bytes:
+    r"""Return rows of cells as text, each in a line of its own, with tabs between cells.
+
+    Examples
+    --------
+    >>> text_of([["time\n[s]", "seat"], [2.0, 1.5e-7], [timedelta(hours=1, milliseconds=2), ""]])
+    b'time [s]\tseat\n2\t1.5e-07\n01:00:00.002000\t\n'
+    """
+    return "".join(f"{chr(9).join(map(_cell, row))}\n" for row in rows).encode("utf-8", "replace")
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return str(int(value)) if value.is_integer() and abs(value) < WHOLE else repr(value)
+    if isinstance(value, timedelta):
+        minutes, seconds = divmod(value.total_seconds(), 60)
+        return f"{minutes // 60:02.0f}:{minutes % 60:02.0f}:{seconds:09.6f}"
+    if isinstance(value, datetime):
+        return value.isoformat(sep=" ")
+    if isinstance(value, date | time):
+        return value.isoformat()
+    return " ".join(str(value).split())
