@@ -18,8 +18,8 @@ from suspid.io.tables import Table
 from suspid.io.text.delimited import table_of_text
 from suspid.words import LeftOut, Remark
 
-# Whole numbers up to this have no decimals in text.
-WHOLE = 1e15
+# Whole numbers below this have all their digits in text without decimals.
+ALL_DIGITS = 1e15
 
 
 def read_sheets(path: Path) -> Table:
@@ -67,7 +67,7 @@ def text_of(rows: Sequence[Sequence[Any]]) -> bytes:
 
 def _cell(value: object) -> str:
     if isinstance(value, float):
-        return str(int(value)) if value.is_integer() and abs(value) < WHOLE else repr(value)
+        return str(int(value)) if value.is_integer() and abs(value) < ALL_DIGITS else repr(value)
     if isinstance(value, timedelta):
         minutes, seconds = divmod(value.total_seconds(), 60)
         return f"{minutes // 60:02.0f}:{minutes % 60:02.0f}:{seconds:09.6f}"
