@@ -53,19 +53,18 @@ class TestTwoMasses:
         assert outcome.right
         assert abs(outcome.wn) < 0.002
         period = 2 * np.pi / float(record.rig.wn[0])
-        (used,) = found.used
-        assert used.start < record.start + 0.1 * period
-        assert used.stop > min(record.stop, float(record.stamps[-1])) - 0.2 * period
+        first, *_, last = found.identification.response.time
+        assert first < record.start + 0.1 * period
+        assert last > min(record.stop, float(record.stamps[-1])) - 0.2 * period
 
     # The last swings, or some of few, look like a linear decay of another mode.
     @pytest.mark.slow
-    @pytest.mark.parametrize(("seed", "modes"), [(940_013, 0), (940_058, 2)])
-    def test_a_few_cycles_of_what_friction_stops_are_no_mode(self, seed: int, modes: int, tmp_path: Path) -> None:
+    @pytest.mark.parametrize("seed", [940_013, 940_058])
+    def test_a_few_cycles_of_what_friction_stops_are_no_other_mode(self, seed: int, tmp_path: Path) -> None:
         record = rigs.release("friction", 2, seed=seed)
         rigs.write(record, tmp_path / "release.csv")
         found = analyse(tmp_path / "release.csv").modes
-        assert len(found) == modes
-        assert not modes or found.wn == pytest.approx(record.rig.wn / record.pace, rel=0.002)
+        assert found.wn == pytest.approx(record.rig.wn / record.pace, rel=0.002)
 
     # Few cycles before a dead stop are doubtful from any start: more poles follow the part that is used as closely as
     # forces explain all of it. And a decay of eight cycles whose first sample is of the hold before it.
@@ -76,8 +75,7 @@ class TestTwoMasses:
         rigs.write(record, tmp_path / "release.csv")
         found = analyse(tmp_path / "release.csv")
         assert found.modes.wn == pytest.approx(record.rig.wn / record.pace, rel=0.001)
-        (used,) = found.used
-        assert used.start > record.start
+        assert found.identification.response.time[0] > record.start
         assert [force.kind for force in found.identification.forces] == [ForceKind.FRICTION] * 2
 
     # A fast mode of a hundredth of the motion beside friction; one that a part of the record, one sample later, hides.
@@ -286,4 +284,20 @@ def test_two_close_modes_of_a_frame_that_creeps_back(angle: float, tmp_path: Pat
     found = analyse(path)
     np.testing.assert_allclose(found.modes.wn / (2 * np.pi), [8.18, 8.2716], rtol=1e-3)
     np.testing.assert_allclose(found.modes.zeta, [0.0016, 0.0048], rtol=0.02)
+    assert found.verdict.level > Level.DOUBTFUL
+
+
+@pytest.mark.slow
+def test_what_rises_where_modes_beat_is_no_other_event(tmp_path: Path) -> None:
+    """Most of what looks like events is none; it is part of the decay."""
+    time = np.arange(6745) / 391.015254
+    since = time - 3.05303518
+    ends = [(0.95443835, 14.087, 0.00325), (1.22485586, 15.422, 0.00389)]
+    moves = sum(a * np.exp(-z * 2 * np.pi * f * since) * np.cos(2 * np.pi * f * since) for a, f, z in ends)
+    values = np.where(since >= 0, moves, 0.0) + 0.0239 * np.random.default_rng(0).standard_normal(time.size)
+    path = tmp_path / "beat.csv"
+    np.savetxt(path, np.stack([time, values], axis=1), delimiter=",", header="time [s],x [m]", comments="", fmt="%.6g")
+    found = analyse(path)
+    np.testing.assert_allclose(found.modes.wn / (2 * np.pi), [14.087, 15.422], rtol=1e-3)
+    np.testing.assert_allclose(found.modes.zeta, [0.00325, 0.00389], rtol=0.03)
     assert found.verdict.level > Level.DOUBTFUL

@@ -1,5 +1,6 @@
 """Masses that friction in a strut locks to each other."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -175,6 +176,26 @@ class TestReleasedAndLocked:
         record = as_response(time, values, ["a", "b"])
         assert min(_stops(as_signal(record)))[0] < 1500
         assert released_and_locked(record, Settings()) is None
+
+    def test_a_linear_motion_until_a_lock_is_tried_once(
+        self, rig: tuple[Real, Real, Real], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Where modes explain it without friction, fewer samples of it need none either."""
+        record = self.record(rig)
+        time = np.arange(1000) / 500
+        noise = 1e-3 * np.random.default_rng(1).standard_normal((2, time.size))
+        swings = np.exp(-time) * (np.cos(19 * time) + np.outer([1, -1], np.cos(43 * time)))
+        part = as_response(time, swings + noise, ["a", "b"])
+        linear, tries = identify(part), list[None]()
+
+        def shortened(*_: object) -> Iterator[tuple[object, object]]:
+            for _k in range(3):
+                tries.append(None)
+                yield part, linear
+
+        monkeypatch.setattr("suspid.analysis.until_locked.shortened", shortened)
+        assert released_and_locked(record, Settings()) is None
+        assert len(tries) == 1
 
     def test_one_channel_tells_nothing(self, rig: tuple[Real, Real, Real]) -> None:
         assert released_and_locked(of_channels(self.record(rig), ["x2 [m]"]), Settings()) is None

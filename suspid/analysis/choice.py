@@ -90,12 +90,12 @@ def tried(record: control.TimeResponseData, settings: Settings) -> Identificatio
         return None
 
 
-def tried_linear(record: control.TimeResponseData, settings: Settings) -> Identification | None:
-    """Return what `identify` finds where its linear fit is all that is needed, else None."""
+def tried_linear(record: control.TimeResponseData, settings: Settings, *, strict: bool = True) -> Identification | None:
+    """Return what the linear fit of `identify` finds; None where that is not all that is needed, if ``strict``."""
     if any(getattr(settings, name) != getattr(PLAIN, name) for name in FOR_IDENTIFY):
         return tried(record, settings)
     try:
-        return identify_linear(record, strict=True)
+        return identify_linear(record, strict=strict)
     except SuspidError:
         return None
 

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import explained_by_forces, explains, settled, settled_by_forces, tried, with_few_cycles
+from suspid.analysis.choice import (
+    explained_by_forces,
+    explains,
+    settled,
+    settled_by_forces,
+    tried,
+    tried_linear,
+    with_few_cycles,
+)
 from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import SAME_POLE, behind_blow
 from suspid.analysis.settings import Settings
@@ -73,21 +81,28 @@ def with_its_end(record: control.TimeResponseData, best: Used, settings: Setting
             continue
         more = with_identification(used_of(record, best.decays, decay), settings)
         if more.identification is not None and _shows_more(more.identification, best.identification):
-            return _with_its_events(record, more)
-    return best
+            best = more
+            break
+    return _with_its_events(record, best, settings)
 
 
-def _with_its_events(record: control.TimeResponseData, used: Used) -> Used:
-    """Return a decay without the doubt that most events are none, where it is most of a record and leaves only noise.
+def _with_its_events(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
+    """Return the linear decay to the end of a record of which other events are part, where most of these are no decays.
 
-    Modes that beat rise again and again: what was taken for other events is part of it.
+    Modes that beat rise again and again. It leaves only noise, and is most of the record.
     """
-    decay, found = used.used[0], used.identification
-    doubts = tuple(doubt for doubt in decay.doubts if doubt.code is not DecayDoubt.COMPANY)
-    most = 2 * as_signal(used.record).values.shape[1] > as_signal(record).values.shape[1]
-    if doubts == decay.doubts or found is None or not settled(found) or not most:
-        return used
-    return replace(used_of(record, used.decays, replace(decay, doubts=doubts)), identification=found)
+    signal = as_signal(record)
+    if len(best.used) != 1 or all(doubt.code is not DecayDoubt.COMPANY for doubt in best.used[0].doubts):
+        return best
+    doubts = tuple(doubt for doubt in best.used[0].doubts if doubt.code is not DecayDoubt.COMPANY)
+    decay = _to_the_end(replace(best.used[0], doubts=doubts), rests_from(signal))
+    if 2 * (decay.stop - decay.start) < float(signal.timepts[-1]) - signal.start:
+        return best
+    more = used_of(record, best.decays, decay)
+    found = tried_linear(more.record, settings, strict=False)
+    if found is None or not settled(found) or not _shows_more(found, best.identification):
+        return best
+    return replace(more, identification=found)
 
 
 def longest(record: control.TimeResponseData, best: Used) -> Used | None:
