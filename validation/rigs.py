@@ -9,6 +9,7 @@ release, an encoder's steps, a dead stop, stamps of a drifting or rounded clock.
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
@@ -482,13 +483,15 @@ def report(*, seeds: int = SEEDS) -> str:
         for masses in (1, 2):
             for kind in (*KINDS, IN_STRUTS, FELT)[: len(KINDS) + 2 * (masses - 1)]:
                 found = _outcomes(pool, kind, masses, FIRST_SEED, seeds)
-                rows.append([f"{masses}, {kind}", str(seeds), *_shares(found)])
+                rows.append(_shown([f"{masses}, {kind}", str(seeds), *_shares(found)]))
                 if kind in ("friction", IN_STRUTS, FELT):
                     first, long = FIRST_SEED, _moving(found)
                     while len(long) < seeds:
                         first += seeds
                         long += _moving(_outcomes(pool, kind, masses, first, seeds))
-                    rows.append([f"{masses}, {kind}, {MOVES_FOR} s or more", str(seeds), *_shares(long[:seeds])])
+                    rows.append(
+                        _shown([f"{masses}, {kind}, {MOVES_FOR} s or more", str(seeds), *_shares(long[:seeds])])
+                    )
     headers = [
         "masses, kind", "records", "right number of modes", "wn within 1 %", "zeta within 15 %",
         "wn within 95 % interval", "zeta within 95 % interval", "sound and beyond 4 sd",
@@ -510,6 +513,12 @@ def report(*, seeds: int = SEEDS) -> str:
         )
         + "\n"
     )
+
+
+def _shown(row: list[str]) -> list[str]:
+    """Print a row as soon as it is known: all of them take most of an hour."""
+    print("  ".join(row), file=sys.stderr, flush=True)
+    return row
 
 
 def _outcomes(pool: Executor, kind: str, masses: int, first: int, seeds: int) -> list[Outcome]:
