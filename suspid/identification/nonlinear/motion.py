@@ -19,6 +19,8 @@ from suspid.units import ComplexArray, RealArray
 TURN = 0.25
 # Steps that are taken at once where no mass stops: more are thrown away at the next event, fewer cost more calls.
 AHEAD = 12
+# Sweeps over places at which masses turn or are held in the same step, at most, and the change that ends them.
+SWEEPS, SETTLED_FRICTION = 6, 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -119,7 +121,7 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
             z, done = ahead[:, :, taken - 1], done + taken
         # Then a mass stops, is held or breaks loose.
         if done < total and taken < AHEAD:
-            z, acting[:, :, done] = stepper.after(z)
+            z, acting[:, :, done] = stepper.after(z, acting[:, :, max(done - 1, 0)])
             # What turns slides on.
             holds = not taken and bool((np.abs(acting[:, :, done]) < 1).any())
             done += 1
@@ -173,30 +175,54 @@ class _Stepper:
         first = int(slides.argmin())
         return ahead, signs, len(slides) if slides[first] else first
 
-    def after(self, z: ComplexArray) -> tuple[ComplexArray, RealArray]:
-        """Return the states after a step, and the mean of the forces over it."""
-        acting = self._rub(z)
+    def after(self, z: ComplexArray, before: RealArray) -> tuple[ComplexArray, RealArray]:
+        """Return the states after a step, and the mean of the forces over it, from those of the step before."""
+        acting = self._rub(z, before)
         return self.powers[:, :, 0] * z + (acting[:, None] @ self.held)[:, 0], acting
 
-    def _rub(self, z: ComplexArray) -> RealArray:
+    def _rub(self, z: ComplexArray, before: RealArray) -> RealArray:
         """Return the friction of a step: the sign of each speed, unless a mass turns or is held.
 
-        There it is what it is beside the friction elsewhere: a second sweep has what the first found at other places.
+        There it is what it is beside the friction elsewhere: each sweep has what the one before found at other places,
+        the first what has held masses so far.
         """
         count = len(self.still)
         both = (z[:, None] @ self.speeds)[:, 0].real
         speed, plain = both[:, :count], both[:, count:]
         signs = np.sign(speed)
-        acting, stuck = signs.copy(), np.abs(speed) <= self.still
+        stuck = np.abs(speed) <= self.still
+        acting = np.where(stuck, before, signs)
         rest, events = self._beside(acting, plain, signs, stuck)
-        found = set[int]()
-        for j in 2 * tuple(range(count)):
-            if found == {j} or not (events[j] or j in found):
-                continue
-            acting[:, j] = friction(speed[:, j], rest[:, j], self.own[:, j], still=float(self.still[j]))
-            found.add(j)
-            rest, events = self._beside(acting, plain, signs, stuck)
-        return acting
+        found, held = set[int](), np.zeros(acting.shape, bool)
+        for _ in range(SWEEPS):
+            last = acting.copy()
+            for j in range(count):
+                if events[j] or j in found:
+                    acting[:, j], held[:, j] = friction(
+                        speed[:, j], rest[:, j], self.own[:, j], still=float(self.still[j])
+                    )
+                    found.add(j)
+                    rest, events = self._beside(acting, plain, signs, stuck)
+            alone = len(found) < 2 and not any(events[j] for j in range(count) if j not in found)
+            if alone or np.max(np.abs(acting - last)) < SETTLED_FRICTION:
+                break
+        return self._together(acting, plain, held) if len(found) > 1 else acting
+
+    def _together(self, acting: RealArray, plain: RealArray, held: NDArray[np.bool_]) -> RealArray:
+        """Return friction with what holds several masses at once, to the last digit: sweeps come near to that only.
+
+        What they leave would shake what is at rest, and that is all that accelerometers show of it.
+        """
+        several = np.sum(held, axis=1) > 1
+        if not several.any():
+            return acting
+        equations = np.where(held[:, :, None], np.swapaxes(self.answers, 1, 2), np.eye(held.shape[1]))
+        try:
+            every = np.linalg.solve(equations, np.where(held, -plain, acting)[:, :, None])[:, :, 0]
+        except np.linalg.LinAlgError:
+            return acting
+        holds = several & np.logical_and.reduce(np.abs(every) <= 1, axis=1)
+        return np.where(holds[:, None], every, acting)
 
     def _beside(
         self, acting: RealArray, plain: RealArray, signs: RealArray, stuck: NDArray[np.bool_]
@@ -227,8 +253,10 @@ def _stepper(of: Structures, steps: int) -> _Stepper:
     )
 
 
-def friction(speed: RealArray, rest: RealArray, answer: RealArray, *, still: float) -> RealArray:
-    """Return the mean of the sign of a speed over a step, or what holds the mass, between -1 and 1.
+def friction(
+    speed: RealArray, rest: RealArray, answer: RealArray, *, still: float
+) -> tuple[RealArray, NDArray[np.bool_]]:
+    """Return the mean of the sign of a speed over a step, or what holds the mass, between -1 and 1; and where it holds.
 
     The speed at the start of the step, that at its end without friction, and what the sign of 1 changes that by.
 
@@ -237,8 +265,9 @@ def friction(speed: RealArray, rest: RealArray, answer: RealArray, *, still: flo
     A mass that slips on, one that turns back, one that is held from its stop on, and one that stays held:
 
     >>> speed, rest = np.array([1.0, 0.25, 0.1, 0.0]), np.array([0.9, -0.5, 0.0, 0.2])
-    >>> friction(speed, rest, np.full(4, -0.25), still=1e-9)
-    array([ 1. , -0.5,  0. ,  0.8])
+    >>> mean, held = friction(speed, rest, np.full(4, -0.25), still=1e-9)
+    >>> mean, held
+    (array([ 1. , -0.5,  0. ,  0.8]), array([False, False,  True,  True]))
     """
     sign = np.sign(speed)
     slipped = rest + answer * sign
@@ -246,10 +275,10 @@ def friction(speed: RealArray, rest: RealArray, answer: RealArray, *, still: flo
     turned = slipped * sign < 0
     # Mostly every mass slips on.
     if not (turned | stuck).any():
-        return np.asarray(sign)
+        return sign, stuck
     against = np.where(answer < 0, answer, -np.inf)
     holds = np.minimum(np.maximum(-rest / against, -1.0), 1.0)
     turned &= ~stuck
     share = speed / np.where(turned, speed - slipped, 1.0)
-    back = np.where(np.abs(rest - speed) <= -against, holds, sign * (2 * share - 1))
-    return np.where(stuck, holds, np.where(turned, back, sign))
+    held = stuck | (turned & (np.abs(rest - speed) <= -against))
+    return np.where(held, holds, np.where(turned, sign * (2 * share - 1), sign)), held
