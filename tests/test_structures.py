@@ -158,6 +158,31 @@ class TestMotion:
         # Events are placed to the square of a step: 3e-4 of the swing.
         assert np.max(np.abs(found - exact)) < 5e-4 * np.max(np.abs(exact))
 
+    def test_accelerations_rest_where_the_ground_and_a_strut_hold_both_masses(self) -> None:
+        """What holds one mass is beside what holds the other; derivatives to any size of change are the same there."""
+        rig = replace(RIG, friction=(10.0, 10.0))
+        plain = structure(rig, HELD, float(TIME[1]))
+        forces = tuple(Force(kind=ForceKind.FRICTION, channel=c, other=other) for c, other in ((0, None), (1, 0)))
+        slowed = np.array([[10.0, -10.0], [0.0, 10.0]]) / np.array(rig.mass)[:, None] * float(TIME[1]) ** 2
+        modes = replace(plain, forces=forces, gains=gains_of(plain.theta, plain.shapes, slowed))
+        motion = motion_of(modes, len(TIME))
+        speeds = np.einsum("kc,kn->cn", modes.shapes[0] * modes.theta[0][:, None], motion.states[0]).real
+        assert np.max(np.abs(speeds[:, -100:])) < 1e-12 * np.max(np.abs(speeds))
+        assert np.all(np.ptp(motion.acting[0][:, -100:], axis=1) < 1e-9)
+        assert np.max(np.abs(motion.acting[0][:, -100:])) < 1.0
+        record = Record(
+            values=speeds, noise=WhiteNoise(least=np.ones(2)), theta=modes.theta[0], amplitudes=modes.shapes[0],
+            nuisances=np.zeros(1),
+        )  # fmt: skip
+        norms = []
+        for change in (1e-7, 1e-6, 1e-5):
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr("suspid.identification.nonlinear.structure.CHANGE", change)
+                fit = structure_evaluated(record, modes, 2)
+                norms.append(np.linalg.norm(fit.nearby.slopes(fit), axis=1))
+        assert norms[0] == pytest.approx(norms[1], rel=0.02)
+        assert norms[2] == pytest.approx(norms[1], rel=0.02)
+
     def test_friction_is_less_than_its_limit_where_a_mass_is_held(self) -> None:
         modes = structure(RIG, HELD, float(TIME[1]))
         acting = motion_of(modes, len(TIME)).acting[0]
