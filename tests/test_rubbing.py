@@ -15,7 +15,7 @@ from suspid.identification.nonlinear.descent import Around, _along, _moved_by_fi
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.equations import Measured, _start, equations_of, from_equations, rubbing
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import ForceKind, forces_of
+from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of
 from suspid.identification.nonlinear.rubbing import by_equations, followed_on
 from suspid.identification.nonlinear.structure import StructureFit, _with_turns, jumps_of, parameters_of
 from suspid.model import ModalSet
@@ -69,6 +69,16 @@ def record_of(rig: rigs.Rig, *, noise: float = 3e-4, order: int = 0) -> tuple[Re
     plain = maximize(values, start, record.noise, steps=10)
     assert plain is not None
     return record, plain
+
+
+def start_of(record: Record, forces: tuple[Force, ...]) -> StructureFit:
+    """The start from equations with friction at a place."""
+    of = measured(record.values)
+    equations = equations_of(of, forces, 12)
+    assert equations is not None
+    start = _start(record, of, equations)
+    assert start is not None
+    return start
 
 
 class TestEquations:
@@ -164,8 +174,7 @@ class TestWhereFrictionActs:
         best = by_equations(record, plain, most=6, highest=plain.bic - 1000, longest=3000, followed=True)[0]
         reached = best.loss / best.residual.size
         for forces, left in ((GROUND, True), (STRUTS, False)):
-            start = _start(record, measured(record.values), forces, 12)
-            assert start is not None
+            start = start_of(record, forces)
             assert (followed_on(start, reached=reached) is None) is left
 
     def test_nothing_is_tried_where_a_linear_fit_leaves_noise(self) -> None:
@@ -192,9 +201,7 @@ def test_where_a_record_does_not_tell_where_friction_acts_intervals_hold_both() 
 class TestFit:
     def start(self) -> StructureFit:
         record, _ = record_of(RIG)
-        start = _start(record, measured(record.values), STRUTS, 12)
-        assert start is not None
-        return start
+        return start_of(record, STRUTS)
 
     def test_no_force_moves_a_mass_at_once(self) -> None:
         fit = fitted(self.start())

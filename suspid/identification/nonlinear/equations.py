@@ -81,7 +81,10 @@ class Equations:
     stiffness: RealArray  # (channel, channel)
     damping: RealArray  # (channel, channel)
     slowed: RealArray  # (channel, force)
+    forces: tuple[Force, ...]
     told: RealArray  # (channel,): share of the weighted accelerations that they tell
+    signs: RealArray  # (force, sample): means of the signs of the speeds that forces follow, about each sample
+    speeds: RealArray  # (force, sample): and the speeds
 
     @property
     def modes(self) -> tuple[ComplexArray, ComplexArray] | None:
@@ -109,39 +112,49 @@ def from_equations(record: Record, theta: ComplexArray, *, least: float = 0.0) -
     period = 2 * np.pi / float(np.min(theta.imag))
     halves = list(dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS))
     measured = [Measured.of(record.values, order, theta, least) for order in range(ORDERS)]
-    untold = [_untold(each, halves) for each in measured]
-    likely = [_likely(record, each, halves) for each in measured]
-    losses = [min((s.loss for starts in places for s in starts.values()), default=np.inf) for places in likely]
-    for order in dict.fromkeys((int(np.argmin(untold)), int(np.argmin(losses)), 0)):
-        found = [
-            starts | _starts(record, measured[order], forces, [half for half in halves if half not in starts])
-            for starts in likely[order]
-            for forces in [next(iter(starts.values())).forces]
-        ]
-        ranks = [sorted(starts.values(), key=lambda start: start.loss) for starts in found]
-        yield [sorted((each[k] for each in ranks if k < len(each)), key=lambda s: s.loss) for k in range(MOST_WIDTHS)]
+    ground = [_on_the_ground(each, halves) for each in measured]
+    first = int(np.argmin([_untold(equations) for equations in ground]))
+    likely = {first: _likely(record, measured[first], ground[first])}
+    yield _ranks(record, measured[first], likely[first], halves)
+    likely |= {k: _likely(record, measured[k], ground[k]) for k in range(ORDERS) if k != first}
+    losses = [min((s.loss for starts in likely[k] for s in starts.values()), default=np.inf) for k in range(ORDERS)]
+    for order in dict.fromkeys((int(np.argmin(losses)), 0)):
+        if order != first:
+            yield _ranks(record, measured[order], likely[order], halves)
 
 
-def _untold(measured: Measured, halves: list[int]) -> float:
-    """Return the mean logarithm of what equations with friction against the ground do not tell of accelerations."""
-    ground = _ground(measured)
-    equations = [each for half in halves if (each := equations_of(measured, ground, half)) is not None]
-    return float(np.mean([np.sum(np.log(np.maximum(1 - each.told, EXACT))) for each in equations] or [np.inf]))
+def _ranks(
+    record: Record, measured: Measured, likely: list[dict[int, StructureFit]], halves: list[int]
+) -> list[list[StructureFit]]:
+    """Return the likeliest starts of each place of friction, then the next ones."""
+    found = [
+        starts | _starts(record, measured, forces, [half for half in halves if half not in starts])
+        for starts in likely
+        for forces in [next(iter(starts.values())).forces]
+    ]
+    ranks = [sorted(starts.values(), key=lambda start: start.loss) for starts in found]
+    return [sorted((each[k] for each in ranks if k < len(each)), key=lambda s: s.loss) for k in range(MOST_WIDTHS)]
 
 
-def _ground(measured: Measured) -> tuple[Force, ...]:
-    return forces_of(ForceKind.FRICTION, len(measured.values), most=len(measured.values))
+def _on_the_ground(measured: Measured, halves: list[int]) -> dict[int, Equations]:
+    """Return the equations with friction against the ground by half the widths of the weights, where there are some."""
+    forces = forces_of(ForceKind.FRICTION, len(measured.values), most=len(measured.values))
+    equations = {half: equations_of(measured, forces, half) for half in halves}
+    return {half: each for half, each in equations.items() if each is not None}
 
 
-def _likely(record: Record, measured: Measured, halves: list[int]) -> list[dict[int, StructureFit]]:
+def _untold(ground: dict[int, Equations]) -> float:
+    """Return the mean logarithm of what equations do not tell of accelerations."""
+    return float(np.mean([np.sum(np.log(np.maximum(1 - each.told, EXACT))) for each in ground.values()] or [np.inf]))
+
+
+def _likely(record: Record, measured: Measured, ground: dict[int, Equations]) -> list[dict[int, StructureFit]]:
     """Return starts by half widths with friction at each place: those of chains with the likeliest of the ground."""
-    ground = _ground(measured)
-    starts = _starts(record, measured, ground, halves)
+    starts = {half: start for half, each in ground.items() if (start := _start(record, measured, each)) is not None}
     if not starts:
         return []
     half = min(starts, key=lambda half: starts[half].loss)
-    equations = equations_of(measured, ground, half)
-    chains = rubbing(equations.stiffness) if equations is not None else ()
+    chains = rubbing(ground[half].stiffness)
     return [starts, *(places for forces in chains if (places := _starts(record, measured, forces, [half])))]
 
 
@@ -172,27 +185,26 @@ def _starts(
     record: Record, measured: Measured, forces: tuple[Force, ...], halves: list[int]
 ) -> dict[int, StructureFit]:
     """Return starts with friction at a place by half the widths of the weights, where there are some."""
-    starts = {half: _start(record, measured, forces, half) for half in halves}
+    equations = {half: equations_of(measured, forces, half) for half in halves}
+    starts = {half: _start(record, measured, each) for half, each in equations.items() if each is not None}
     return {half: start for half, start in starts.items() if start is not None}
 
 
-def _start(record: Record, measured: Measured, forces: tuple[Force, ...], half: int) -> StructureFit | None:
-    signs, speeds = measured.signs(forces, half)
-    equations = equations_of(measured, forces, half)
-    modes = None if equations is None else equations.modes
-    if equations is None or modes is None or np.min(equations.told) < measured.least:
+def _start(record: Record, measured: Measured, equations: Equations) -> StructureFit | None:
+    modes = equations.modes
+    if modes is None or np.min(equations.told) < measured.least:
         return None
     theta, shapes = modes
     if np.max(np.abs(theta)) > np.pi:
         return None
     gains = gains_of(theta, shapes, equations.slowed)
-    begins = _beginnings(record, measured.order, theta, shapes, gains, signs)
+    begins = _beginnings(record, measured.order, theta, shapes, gains, equations.signs)
     structures = Structures(
         theta=theta[None],
         shapes=(begins[:, None] * shapes)[None],
         gains=(gains / begins[:, None])[None],
-        forces=forces,
-        scales=np.max(np.abs(speeds), axis=1) + 1e-300,
+        forces=equations.forces,
+        scales=np.max(np.abs(equations.speeds), axis=1) + 1e-300,
     )
     return evaluated(record, structures, measured.order)
 
@@ -208,7 +220,8 @@ def equations_of(measured: Measured, forces: tuple[Force, ...], half: int) -> Eq
         return None
     place, speed, rise = (_weighted(values - values[:, :1], weight) for weight in _weights(half))
     # The equations of speeds and accelerations are derivatives of those of displacements.
-    signs = _weighted(measured.signs(forces, half)[0], _weights(half)[measured.order])
+    about, speeds = measured.signs(forces, half)
+    signs = _weighted(about, _weights(half)[measured.order])
     stiffness, damping, slowed = np.zeros((count, count)), np.zeros((count, count)), np.zeros((count, len(forces)))
     told = np.zeros(count)
     for c in range(count):
@@ -218,7 +231,9 @@ def equations_of(measured: Measured, forces: tuple[Force, ...], half: int) -> Eq
         unit = np.linalg.lstsq(columns / norms, rise[c], rcond=None)[0]
         parts, told[c] = -unit / norms, 1 - np.var(rise[c] - columns / norms @ unit) / (np.var(rise[c]) + 1e-300)
         stiffness[c], damping[c], slowed[c, acts] = parts[:count], parts[count : 2 * count], parts[2 * count : -1]
-    return Equations(stiffness=stiffness, damping=damping, slowed=slowed, told=told)
+    return Equations(
+        stiffness=stiffness, damping=damping, slowed=slowed, forces=forces, told=told, signs=about, speeds=speeds
+    )
 
 
 def _weights(half: int) -> RealArray:
