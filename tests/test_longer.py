@@ -8,7 +8,8 @@ import pytest
 
 from suspid import Identification, analyse, identify
 from suspid.analysis.choice import explained_by_forces, with_few_cycles
-from suspid.analysis.longer import _from, _shows_more, _tells_tones, longest, shared_modes
+from suspid.analysis.longer import _from, longest
+from suspid.analysis.shown_modes import shared_modes, shows_more, tells_tones
 from suspid.analysis.used import used_of
 from suspid.decays import find_decays
 from suspid.identification import Considered, ForceKind
@@ -173,9 +174,9 @@ def test_forces_explain_what_is_longer_than_a_stretch_with_a_trace() -> None:
     found = identify(as_response(time, (end + 0.006 * rng.standard_normal(time.size))[None], ["seat"]))
     assert longer.forces
     assert any(one.remark.code is Reason.TRACE for one in found.considered)
-    assert _shows_more(longer, found) is explained_by_forces(longer) is True
+    assert shows_more(longer, found) is explained_by_forces(longer) is True
     alone = replace(found, considered=())
-    assert not _shows_more(longer, alone)
+    assert not shows_more(longer, alone)
 
 
 def _followed(cycles: float, *others: float, seconds: float = 3.0, size: float = 1e-4) -> Identification:
@@ -199,7 +200,7 @@ def test_a_few_cycles_of_another_mode_give_way_to_a_longer_decay(
     assert len(longer.modes) == 1
     assert len(found.modes) == len(end)
     assert with_few_cycles(found).tolist() == [each < 3 for each in end]
-    assert _shows_more(longer, found) is preferred
+    assert shows_more(longer, found) is preferred
 
 
 def test_few_cycles_before_a_dead_stop_give_way_to_forces_that_explain_all() -> None:
@@ -211,8 +212,8 @@ def test_few_cycles_before_a_dead_stop_give_way_to_forces_that_explain_all() -> 
     found = identify(cut(record, start=0.95, stop=1.235))
     assert longer.modes.wn == pytest.approx(release.rig.wn, rel=0.002)
     assert with_few_cycles(found).tolist() == [True]
-    assert _shows_more(longer, found)
-    assert not _shows_more(replace(longer, forces=()), found)
+    assert shows_more(longer, found)
+    assert not shows_more(replace(longer, forces=()), found)
 
 
 def test_a_start_that_is_earlier_has_not_the_few_cycles_of_the_end() -> None:
@@ -257,18 +258,18 @@ class TestTonesThatFade:
         whole, part = self.parts(rough=0.1)
         assert len(whole.modes) == 2
         assert np.max(whole.loudness) > 1
-        assert _tells_tones(whole, part)
-        assert _shows_more(whole, part)
+        assert tells_tones(whole, part)
+        assert shows_more(whole, part)
 
     def test_without_a_tone_there_or_with_other_modes_it_tells_nothing_of_it(self) -> None:
         whole, part = self.parts()
-        assert not _tells_tones(whole, replace(part, considered=()))
+        assert not tells_tones(whole, replace(part, considered=()))
         away = replace(part.considered[0], pole=part.considered[0].pole * 1.1)
-        assert not _tells_tones(whole, replace(part, considered=(away,)))
-        assert not _tells_tones(replace(whole, modes=whole.modes[:1]), part)
+        assert not tells_tones(whole, replace(part, considered=(away,)))
+        assert not tells_tones(replace(whole, modes=whole.modes[:1]), part)
         assert whole.modes.wn_std is not None
         unsure = replace(whole.modes, covariance=1e12 * np.asarray(whole.modes.covariance))
-        assert not _tells_tones(replace(whole, modes=unsure), part)
+        assert not tells_tones(replace(whole, modes=unsure), part)
 
 
 @pytest.mark.parametrize("angle", [pytest.param(0.9, marks=pytest.mark.slow), 0.3])

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from suspid.analysis.choice import FAR_FROM_NOISE, NO_CYCLE, level_of, settled_by_forces
 from suspid.analysis.forced_start import SAME_POLE
-from suspid.analysis.longer import shared_modes, with_identification
+from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
+from suspid.analysis.shown_modes import shared_modes
 from suspid.analysis.swelling import left_by_modes
 from suspid.analysis.used import Used, without_channels
 from suspid.cleaning import is_clipped

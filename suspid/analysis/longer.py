@@ -10,28 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import (
-    explained_by_forces,
-    explains,
-    settled,
-    settled_by_forces,
-    tried,
-    tried_linear,
-    with_few_cycles,
-)
+from suspid.analysis.choice import settled, tried, tried_linear
 from suspid.analysis.far_larger import only_the_end
-from suspid.analysis.forced_start import SAME_POLE, behind_blow
+from suspid.analysis.forced_start import behind_blow
 from suspid.analysis.settings import Settings
-from suspid.analysis.swelling import beats
+from suspid.analysis.shown_modes import shows_all, shows_more
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LITTLE, Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification, removed_as
-from suspid.levels import NORMAL_95
 from suspid.records import cut, of_channels
-from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
-from suspid.words import DecayDoubt, Level, Reason
+from suspid.words import DecayDoubt, Reason
 
 if TYPE_CHECKING:
     import control
@@ -47,9 +37,6 @@ OF_HOLD = 2.5
 # The motion goes on after a decay if the samples there spread by more than this many standard deviations of the
 # residual. White noise hardly spreads by more than ten; a smaller number costs the time of a fit where none is needed.
 MOVES = 15.0
-# A mode is well known if the standard deviations of its frequency and of its damping ratio are below these shares. A
-# mode of a longer decay that is not is no gain.
-KNOWN_WN, KNOWN_ZETA = 0.01, 0.25
 # A release is looked for before a decay within this multiple of its length, after which a fast mode has died, and
 # within this number of periods of the slowest: friction bends a motion until only its last cycles look like a decay.
 BEFORE_DECAY, BEFORE_PERIODS = 3.0, 20.0
@@ -63,10 +50,10 @@ def longer(record: control.TimeResponseData, best: Used, settings: Settings) -> 
         more = _behind_blow(record, best, decay, settings)
         if more.identification is None:
             continue
-        shown = best.identification is None and _shows_all(more.identification, best.used[0])
+        shown = best.identification is None and shows_all(more.identification, best.used[0])
         if not shown:
             best = with_identification(best, settings)
-            shown = _shows_more(more.identification, best.identification)
+            shown = shows_more(more.identification, best.identification)
         if shown or only_the_end(more.identification, best.identification):
             best = more
             break
@@ -80,7 +67,7 @@ def with_its_end(record: control.TimeResponseData, best: Used, settings: Setting
         if not (_goes_on(record, best).any() or _has_tones(best.identification)):
             continue
         more = with_identification(used_of(record, best.decays, decay), settings)
-        if more.identification is not None and _shows_more(more.identification, best.identification):
+        if more.identification is not None and shows_more(more.identification, best.identification):
             best = more
             break
     return _with_its_events(record, best, settings)
@@ -100,7 +87,7 @@ def _with_its_events(record: control.TimeResponseData, best: Used, settings: Set
         return best
     more = used_of(record, best.decays, decay)
     found = tried_linear(more.record, settings, strict=False)
-    if found is None or not settled(found) or not _shows_more(found, best.identification):
+    if found is None or not settled(found) or not shows_more(found, best.identification):
         return best
     return replace(more, identification=found)
 
@@ -223,76 +210,6 @@ def _has_tones(found: Identification | None) -> bool:
     return found is not None and bool(removed_as(found.considered, Reason.TONE))
 
 
-def _shows_more(longer: Identification, found: Identification | None) -> bool:
-    """Return whether an identification of a longer decay leaves only noise, and tells more than the other.
-
-    Where the other is doubtful, or has a trace of something else, forces may explain the longer one instead, or close
-    modes that beat: where they are out of step, a decay seems to end. It has all modes of the other unless that is
-    doubtful, makes few cycles, or explains its part as well; and more modes that are well known or as good a verdict.
-    """
-    if longer.verdict.level is Level.DOUBTFUL:
-        return found is not None and found.verdict.level is Level.DOUBTFUL and _with_fewer(longer, found)
-    if found is not None and _tells_tones(longer, found):
-        return True
-    traced = found is not None and any(c.remark.code is Reason.TRACE for c in found.considered)
-    if found is None or not len(found.modes) or found.verdict.level is Level.DOUBTFUL or traced:
-        closer = found is not None and not traced and len(longer.modes) and np.all(longer.explained > found.explained)
-        return settled(longer) or explained_by_forces(longer) or beats(longer) > 0 or bool(closer)
-    if not settled(longer):
-        return False
-    modes, few = found.modes, with_few_cycles(found)
-    apart = np.min(np.abs(modes.poles[:, None] - longer.modes.poles), axis=1)
-    unknown = np.zeros(len(modes)) if modes.wn_std is None else NORMAL_95 * modes.wn_std
-    same = apart < np.maximum(SAME_POLE * modes.wn, unknown)
-    if few[:1].any() and not with_few_cycles(longer).any() and np.all(same | few):
-        return True
-    # Few cycles before a dead stop look like other modes.
-    if few.all() and _with_fewer(longer, found):
-        return True
-    kept = bool(np.all(same)) or explains(longer, found)
-    more = _known(longer) - _known(found)
-    return kept and (more > 0 or (more == 0 and longer.verdict.level >= found.verdict.level))
-
-
-def _tells_tones(longer: Identification, found: Identification) -> bool:
-    """Return whether a longer decay shows that a tone of a part fades: it has a mode there, and those of the part."""
-    tones = [c.pole for c in removed_as(found.considered, Reason.TONE)]
-    modes = longer.modes
-    if not tones or not 0 < len(found.modes) < len(modes) or modes.wn_std is None:
-        return False
-    there = np.abs(np.array([*found.modes.poles, *tones])[:, None].imag - modes.poles.imag)
-    finest = np.pi / as_signal(held(found, "response")).duration
-    same = np.all(np.min(there[: len(found.modes)], axis=1) < finest) and np.all(np.min(there, axis=0) < finest)
-    return bool(same and np.all(modes.wn_std < KNOWN_WN * modes.wn))
-
-
-def _with_fewer(longer: Identification, found: Identification) -> bool:
-    """Return whether forces explain a longer decay down to its noise, and its part as well as more poles do."""
-    return settled_by_forces(longer) and explains(longer, found)
-
-
-def _shows_all(longer: Identification, used: Decay) -> bool:
-    """Return whether an identification leaves only noise and has the modes of a part that a quick fit found."""
-    wn, modes = longer.modes.wn, used.wn
-    if not settled(longer) or longer.verdict.level is Level.DOUBTFUL or not len(modes):
-        return False
-    return bool(np.all(np.min(np.abs(modes[:, None] - wn), axis=1) < SAME_POLE * modes))
-
-
-def shared_modes(found: Sequence[Identification | None]) -> list[float]:
-    """Return which share of the modes of each identification one of the others has too."""
-    poles = [np.zeros(0, complex) if one is None else one.modes.poles for one in found]
-    shares = []
-    for k, own in enumerate(poles):
-        others = np.concatenate([np.zeros(0, complex), *(other for j, other in enumerate(poles) if j != k)])
-        if not own.size or not others.size:
-            shares.append(0.0)
-            continue
-        apart = np.min(np.abs(own[:, None] - others), axis=1)
-        shares.append(float(np.mean(apart < SAME_POLE * np.abs(own))))
-    return shares
-
-
 def _from(decay: Decay, start: Second) -> Decay:
     """Return a decay that begins earlier: what was said of few cycles, and of a small part, was said of its end."""
     of_end = LITTLE | {DecayDoubt.SMALL_PART}
@@ -308,17 +225,6 @@ def _to_the_end(decay: Decay, stop: Second) -> Decay:
     """Return a decay that goes on to the end of a record: what was taken for a background is part of it."""
     doubts = tuple(doubt for doubt in decay.doubts if doubt.code is not DecayDoubt.BACKGROUND)
     return _until(replace(decay, doubts=doubts), stop)
-
-
-def _known(found: Identification) -> int:
-    """Return the number of modes that are well known; damping that changes with the amplitude is known at each."""
-    modes = found.modes
-    if modes.wn_std is None or modes.zeta_std is None:
-        return len(modes)
-    sure = modes.zeta_std < KNOWN_ZETA * np.abs(modes.zeta)
-    if len(found.amplitude_dependence) == len(modes):
-        sure |= [bool(np.all(each.zeta_std < KNOWN_ZETA * np.abs(each.zeta))) for each in found.amplitude_dependence]
-    return int(np.sum(sure & (modes.wn_std < KNOWN_WN * modes.wn)))
 
 
 def _continued(signal: Signal, before: Decay, after: Decay) -> bool:

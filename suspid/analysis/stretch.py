@@ -16,8 +16,9 @@ from suspid.analysis.forced_start import freed, later_starts, without_start
 from suspid.analysis.from_rest import from_rest
 from suspid.analysis.held import without_held
 from suspid.analysis.idle import without_idle
-from suspid.analysis.longer import longer, shared_modes, with_identification, with_its_end
+from suspid.analysis.longer import longer, with_identification, with_its_end
 from suspid.analysis.settings import Settings
+from suspid.analysis.shown_modes import shared_modes
 from suspid.analysis.until_locked import released_and_locked
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays, is_grave

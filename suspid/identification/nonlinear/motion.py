@@ -8,19 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.identification.nonlinear.bent_motion import BentSteps
 from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind, size_of
-from suspid.levels import EXACT
+from suspid.identification.nonlinear.rubbed_motion import AHEAD, RubbedSteps
 from suspid.units import ComplexArray, RealArray
 
 # Angle by which the fastest mode turns in a step, at most [rad]. Forces have their mean within a step.
 TURN = 0.25
-# Steps that are taken at once where no mass stops: more are thrown away at the next event, fewer cost more calls.
-AHEAD = 12
-# Sweeps over places at which masses turn or are held in the same step, at most, and the change that ends them.
-SWEEPS, SETTLED_FRICTION = 6, 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -103,7 +98,9 @@ def _between(of: Structures, states: ComplexArray, acting: RealArray, apart: int
 
 def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealArray]:
     """Return the states at a number of steps, and friction between them (structure, force, step)."""
-    stepper = _stepper(of, steps)
+    turn, slope = of.theta / steps, of.places * of.theta[:, :, None]
+    held = (np.expm1(turn) / of.theta)[:, :, None] * of.gains
+    stepper = RubbedSteps.of(turn, held=held, slope=slope, scales=of.scales)
     z = np.ones(of.theta.shape, complex)
     states = np.empty((*z.shape, total + 1), complex)
     acting = np.zeros((len(z), len(of.forces), total + 1))
@@ -147,138 +144,3 @@ def _bent(of: Structures, total: int, steps: float) -> tuple[ComplexArray, RealA
     _, acting, followed, _ = taken.acting(states)
     acting[:, -1] = size_of(of.kind, followed[:, -1], followed[:, -1])
     return np.moveaxis(states[..., :poles] + 1j * states[..., poles:], 1, 2), np.moveaxis(acting, 1, 2)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class _Stepper:
-    """What a step of the motion needs; matrices take states (structure, 1, pole) or forces (structure, 1, force)."""
-
-    powers: ComplexArray  # (structure, pole, step): of one step, two and so on
-    still: RealArray  # (force,): speeds below these are rest
-    held: ComplexArray  # (structure, force, pole): answer of the states to a force over a step
-    centres: ComplexArray  # (structure, force, pole): and states at which it holds them
-    answers: RealArray  # (structure, force, force): and of each speed that a force follows, the last index
-    own: RealArray  # (structure, force): the same of its own speed
-    slope: ComplexArray  # (structure, pole, force)
-    speeds: ComplexArray  # (structure, pole, twice the forces): now, and after a step without forces
-    across: ComplexArray  # (structure, force, pole): as the slope
-
-    def sliding(self, z: ComplexArray) -> tuple[ComplexArray, RealArray, int]:
-        """Return the states after steps (structure, pole, step), the signs, and in how many steps every mass slides."""
-        signs = np.sign((z[:, None] @ self.slope).real)
-        centre = (signs @ self.centres)[:, 0]
-        ahead = self.powers * (z - centre)[:, :, None]
-        ahead += centre[:, :, None]
-        signs = signs[:, 0]
-        ends = (self.across @ ahead).real * signs[:, :, None]
-        slides = np.logical_and.reduce(ends > self.still[:, None], axis=(0, 1))
-        first = int(slides.argmin())
-        return ahead, signs, len(slides) if slides[first] else first
-
-    def after(self, z: ComplexArray, before: RealArray) -> tuple[ComplexArray, RealArray]:
-        """Return the states after a step, and the mean of the forces over it, from those of the step before."""
-        acting = self._rub(z, before)
-        return self.powers[:, :, 0] * z + (acting[:, None] @ self.held)[:, 0], acting
-
-    def _rub(self, z: ComplexArray, before: RealArray) -> RealArray:
-        """Return the friction of a step: the sign of each speed, unless a mass turns or is held.
-
-        There it is what it is beside the friction elsewhere: each sweep has what the one before found at other places,
-        the first what has held masses so far.
-        """
-        count = len(self.still)
-        both = (z[:, None] @ self.speeds)[:, 0].real
-        speed, plain = both[:, :count], both[:, count:]
-        signs = np.sign(speed)
-        stuck = np.abs(speed) <= self.still
-        acting = np.where(stuck, before, signs)
-        rest, events = self._beside(acting, plain, signs, stuck)
-        found, held = set[int](), np.zeros(acting.shape, bool)
-        for _ in range(SWEEPS):
-            last = acting.copy()
-            for j in range(count):
-                if events[j] or j in found:
-                    acting[:, j], held[:, j] = friction(
-                        speed[:, j], rest[:, j], self.own[:, j], still=float(self.still[j])
-                    )
-                    found.add(j)
-                    rest, events = self._beside(acting, plain, signs, stuck)
-            alone = len(found) < 2 and not any(events[j] for j in range(count) if j not in found)
-            if alone or np.max(np.abs(acting - last)) < SETTLED_FRICTION:
-                break
-        return self._together(acting, plain, held) if len(found) > 1 else acting
-
-    def _together(self, acting: RealArray, plain: RealArray, held: NDArray[np.bool_]) -> RealArray:
-        """Return friction with what holds several masses at once, to the last digit: sweeps come near to that only.
-
-        What they leave would shake what is at rest, and that is all that accelerometers show of it.
-        """
-        several = np.sum(held, axis=1) > 1
-        if not several.any():
-            return acting
-        equations = np.where(held[:, :, None], np.swapaxes(self.answers, 1, 2), np.eye(held.shape[1]))
-        try:
-            every = np.linalg.solve(equations, np.where(held, -plain, acting)[:, :, None])[:, :, 0]
-        except np.linalg.LinAlgError:
-            return acting
-        holds = several & np.logical_and.reduce(np.abs(every) <= 1, axis=1)
-        return np.where(holds[:, None], every, acting)
-
-    def _beside(
-        self, acting: RealArray, plain: RealArray, signs: RealArray, stuck: NDArray[np.bool_]
-    ) -> tuple[RealArray, NDArray[np.bool_]]:
-        """Return the speeds after a step beside the friction elsewhere, and where one turns or rests, (force,)."""
-        rest = plain + (acting[:, None] @ self.answers)[:, 0] - self.own * acting
-        turned = (rest + self.own * signs) * signs < 0
-        return rest, np.logical_or.reduce(turned | stuck, axis=0)
-
-
-def _stepper(of: Structures, steps: int) -> _Stepper:
-    turn, place = of.theta / steps, of.places
-    held = (np.expm1(turn) / of.theta)[:, :, None] * of.gains
-    slope = place * of.theta[:, :, None]
-    powers = np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1))
-    answers = np.einsum("pkj,pki->pij", slope, held).real.copy()
-    across = np.ascontiguousarray(np.swapaxes(held, 1, 2))
-    return _Stepper(
-        powers=powers,
-        still=EXACT * of.scales,
-        held=across,
-        centres=across / (1 - powers[:, None, :, 0]),
-        answers=answers,
-        own=np.diagonal(answers, axis1=1, axis2=2).copy(),
-        slope=slope,
-        speeds=np.concatenate([slope, slope * powers[:, :, :1]], axis=2),
-        across=np.ascontiguousarray(np.swapaxes(slope, 1, 2)),
-    )
-
-
-def friction(
-    speed: RealArray, rest: RealArray, answer: RealArray, *, still: float
-) -> tuple[RealArray, NDArray[np.bool_]]:
-    """Return the mean of the sign of a speed over a step, or what holds the mass, between -1 and 1; and where it holds.
-
-    The speed at the start of the step, that at its end without friction, and what the sign of 1 changes that by.
-
-    Examples
-    --------
-    A mass that slips on, one that turns back, one that is held from its stop on, and one that stays held:
-
-    >>> speed, rest = np.array([1.0, 0.25, 0.1, 0.0]), np.array([0.9, -0.5, 0.0, 0.2])
-    >>> mean, held = friction(speed, rest, np.full(4, -0.25), still=1e-9)
-    >>> mean, held
-    (array([ 1. , -0.5,  0. ,  0.8]), array([False, False,  True,  True]))
-    """
-    sign = np.sign(speed)
-    slipped = rest + answer * sign
-    stuck = np.abs(speed) <= still
-    turned = slipped * sign < 0
-    # Mostly every mass slips on.
-    if not (turned | stuck).any():
-        return sign, stuck
-    against = np.where(answer < 0, answer, -np.inf)
-    holds = np.minimum(np.maximum(-rest / against, -1.0), 1.0)
-    turned &= ~stuck
-    share = speed / np.where(turned, speed - slipped, 1.0)
-    held = stuck | (turned & (np.abs(rest - speed) <= -against))
-    return np.where(held, holds, np.where(turned, sign * (2 * share - 1), sign)), held
