@@ -183,6 +183,14 @@ class TestMotion:
         assert norms[0] == pytest.approx(norms[1], rel=0.02)
         assert norms[2] == pytest.approx(norms[1], rel=0.02)
 
+    def test_what_rests_is_what_further_steps_would_give(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        modes = structure(RIG, HELD, float(TIME[1]))
+        at_once = motion_of(modes, len(TIME))
+        monkeypatch.setattr("suspid.identification.nonlinear.rubbed_motion.RubbedSteps.rests", lambda *_: False)
+        by_steps = motion_of(modes, len(TIME))
+        assert np.max(np.abs(at_once.states - by_steps.states)) < 1e-12
+        assert np.max(np.abs(at_once.acting - by_steps.acting)) < 1e-9
+
     def test_friction_is_less_than_its_limit_where_a_mass_is_held(self) -> None:
         modes = structure(RIG, HELD, float(TIME[1]))
         acting = motion_of(modes, len(TIME)).acting[0]

@@ -123,6 +123,9 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
             holds = not taken and bool((np.abs(acting[:, :, done]) < 1).any())
             done += 1
             states[:, :, done] = z
+            if holds and stepper.rests(z, acting[:, :, done - 1]):
+                states[:, :, done:], acting[:, :, done:] = z[:, :, None], acting[:, :, done - 1 : done]
+                break
     acting[:, :, -1] = acting[:, :, max(total - 1, 0)]
     return states, acting
 

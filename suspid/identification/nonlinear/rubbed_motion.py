@@ -72,6 +72,13 @@ class RubbedSteps:
         acting = self._rub(z, before)
         return self.powers[:, :, 0] * z + (acting[:, None] @ self.held)[:, 0], acting
 
+    def rests(self, z: ComplexArray, acting: RealArray) -> bool:
+        """Return whether friction holds as many places as there are modes for good: nothing moves any more."""
+        every = self.slope.shape[1] == len(self.still)
+        if not every or not (np.abs(acting) < 1).all():
+            return False
+        return bool((np.abs((z[:, None] @ self.slope)[:, 0].real) <= self.still).all())
+
     def _rub(self, z: ComplexArray, before: RealArray) -> RealArray:
         """Return the friction of a step: the sign of each speed, unless a mass turns or is held.
 
