@@ -105,7 +105,7 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
     states = np.empty((*z.shape, total + 1), complex)
     acting = np.zeros((len(z), len(of.forces), total + 1))
     states[:, :, 0], done = z, 0
-    holds = False
+    holds = rested = False
     while done < total:
         # What is held mostly stays so.
         taken = 0
@@ -123,9 +123,11 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
             holds = not taken and bool((np.abs(acting[:, :, done]) < 1).any())
             done += 1
             states[:, :, done] = z
-            if holds and stepper.rests(z, acting[:, :, done - 1]):
+            # In the step in which the last mass stops, friction has another mean than from then on.
+            if rested:
                 states[:, :, done:], acting[:, :, done:] = z[:, :, None], acting[:, :, done - 1 : done]
                 break
+            rested = holds and stepper.rests(z, acting[:, :, done - 1])
     acting[:, :, -1] = acting[:, :, max(total - 1, 0)]
     return states, acting
 
