@@ -216,7 +216,7 @@ class TestFit:
             apart = [parameters_of(_placed(of, (at + side * step * np.eye(len(at))[k])[None]))[0] for side in (1, -1)]
             assert along[k] == pytest.approx((apart[0] - apart[1]) / (2 * step), rel=1e-4, abs=1e-6 * np.max(along[k]))
 
-    def test_stays_around_what_isknown_modes(self) -> None:
+    def test_stays_around_what_is_known(self) -> None:
         start = self.start()
         near = fitted(start, around=Around.of(start.structures, share=1e-9, none=1e-9))
         assert near.theta == pytest.approx(start.theta, rel=1e-6)
@@ -286,7 +286,7 @@ class TestAccelerations:
         assert "friction" in str(found.forces)
 
 
-def test_damping_that_depends_on_the_choice_of_a_stretch_leaves_the_frequencyknown_modes() -> None:
+def test_damping_that_depends_on_the_choice_of_a_stretch_leaves_the_frequency_known() -> None:
     """The poles lie on a circle about zero, not on its tangent."""
     pole = 10 * np.exp(1j * np.arccos(-0.4))
     other = 10 * np.exp(1j * np.arccos(-0.1))
@@ -323,6 +323,6 @@ class TestDampingThatChanges:
         assert rubbed.modes.zeta_std is not None
         assert np.all(rubbed.modes.zeta_std > 0.25 * rubbed.modes.zeta)
 
-    def test_counts_asknown_modes(self, rubbed: Identification) -> None:
+    def test_counts_as_known(self, rubbed: Identification) -> None:
         assert known_modes(rubbed) >= 1
         assert known_modes(replace(rubbed, amplitude_dependence=())) == 0

@@ -48,6 +48,11 @@ class TestSheets:
         assert [c.name for c in recording.channels] == ["seat [mm]"]
         assert "another sheet, of 2 rows" in str(dict(recording.left_out)["sheet about"])
 
+    def test_numbers_may_be_text_with_decimal_commas(self, tmp_path: Path) -> None:
+        rows = [ROWS[0], *([f"{t:.2f}".replace(".", ","), f"{y:.6f}".replace(".", ",")] for t, y in ROWS[1:])]
+        recording = read_recording(written(tmp_path / "r.xlsx", {"run": rows}))
+        assert np.allclose(recording["seat [mm]"].values, [row[1] for row in ROWS[1:]], rtol=0, atol=1e-6)
+
     def test_hidden_sheets_are_not_read(self, tmp_path: Path) -> None:
         path = written(tmp_path / "r.xlsx", {"secret": ROWS + ROWS[1:], "run": ROWS}, hidden="secret")
         recording = read_recording(path)

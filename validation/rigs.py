@@ -516,7 +516,7 @@ def report(*, seeds: int = SEEDS) -> str:
 
 
 def _shown(row: list[str]) -> list[str]:
-    """Print a row as soon as it is known: all of them take most of an hour."""
+    """Print a row as soon as it is known: all of them take long."""
     print("  ".join(row), file=sys.stderr, flush=True)
     return row
 

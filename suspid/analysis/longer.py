@@ -79,9 +79,11 @@ def _with_its_events(record: control.TimeResponseData, best: Used, settings: Set
     Modes that beat rise again and again. It leaves only noise, and is most of the record.
     """
     signal = as_signal(record)
-    if len(best.used) != 1 or all(doubt.code is not DecayDoubt.COMPANY for doubt in best.used[0].doubts):
+    if len(best.used) != 1:
         return best
     doubts = tuple(doubt for doubt in best.used[0].doubts if doubt.code is not DecayDoubt.COMPANY)
+    if doubts == best.used[0].doubts:
+        return best
     decay = _to_the_end(replace(best.used[0], doubts=doubts), rests_from(signal))
     if 2 * (decay.stop - decay.start) < float(signal.timepts[-1]) - signal.start:
         return best

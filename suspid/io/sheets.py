@@ -15,6 +15,7 @@ from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
 from suspid.io.limits import check_memory
 from suspid.io.tables import Table
+from suspid.io.text.cells import kind_of
 from suspid.io.text.delimited import table_of_text
 from suspid.words import LeftOut, Remark
 
@@ -26,7 +27,7 @@ def read_sheets(path: Path) -> Table:
     """Return the table of a spreadsheet, of its sheet with the most numbers; what formulas gave is read, not they."""
     content = read_bytes(path, error=RecordError)
     sheets = sheltered(lambda: _sheets(content), extra="sheets", suffix=path.suffix)
-    numbers = {name: sum(isinstance(cell, float) for row in rows for cell in row) for name, rows in sheets.items()}
+    numbers = {name: sum(_is_number(cell) for row in rows for cell in row) for name, rows in sheets.items()}
     used = max(numbers, key=lambda name: numbers[name], default="")
     if not numbers.get(used):
         raise RecordError("has no sheet with numbers")
@@ -63,6 +64,13 @@ def text_of(rows: Sequence[Sequence[Any]]) -> bytes:
     b'time [s]\tseat\n2\t1.5e-07\n01:00:00.002000\t\n'
     """
     return "".join(f"{chr(9).join(map(_cell, row))}\n" for row in rows).encode("utf-8", "replace")
+
+
+def _is_number(value: object) -> bool:
+    """Return whether a cell holds a number, or a text that is one: some programs write all cells as text."""
+    if isinstance(value, str):
+        return any(kind_of(value, comma=comma) == "number" for comma in (False, True))
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _cell(value: object) -> str:

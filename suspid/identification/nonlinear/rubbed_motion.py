@@ -42,12 +42,12 @@ class RubbedSteps:
         """
         powers = np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1))
         answers = np.einsum("pkj,pki->pij", slope, held).real.copy()
-        across = np.ascontiguousarray(np.swapaxes(held, 1, 2))
+        pushed = np.ascontiguousarray(np.swapaxes(held, 1, 2))
         return cls(
             powers=powers,
             still=EXACT * scales,
-            held=across,
-            centres=across / (1 - powers[:, None, :, 0]),
+            held=pushed,
+            centres=pushed / (1 - powers[:, None, :, 0]),
             answers=answers,
             own=np.diagonal(answers, axis1=1, axis2=2).copy(),
             slope=slope,
