@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 # deviations. It is compared over its last cycles before: in fewer than the first number, what leads to a release is of
 # all frequencies; over more than the second, what turns wanders.
 ANOTHER_MOTION, LEAST_BEFORE, MOST_BEFORE = 0.5, 3.0, 10.0
+# It goes on where it is the same motion up to any of these cycles before the decay, which may begin some samples late.
+ENDS_BEFORE = (0.0, 1.0, 3.0)
 # Samples that tell a size: more cost memory only. Nepers beyond which what grows would have left any range.
 SAMPLES_ENOUGH, MOST_GROWN = 100_000, 50.0
 
@@ -55,17 +57,25 @@ def with_begun_tones(found: Identification, whole: control.TimeResponseData) -> 
         pole = considered[k].pole
         size = inside[removed.index(pole)]
         channel = int(np.argmax(np.abs(size) / np.maximum(found.noise_std, 1e-300)))
-        cycle = 2 * np.pi / abs(pole.imag)
-        reach = (signal.timepts < part.start - 0.5 * signal.step) & (signal.timepts >= part.start - MOST_BEFORE * cycle)
-        samples = int(np.sum(reach))
-        if samples * signal.step < LEAST_BEFORE * cycle:
-            continue
-        before = replace(signal, values=signal.values[:, reach], start=float(signal.timepts[reach][0]))
-        other = _sizes(np.array([1j * pole.imag, *found.modes.poles]), before, part.start)[0]
-        by_chance = SURE * found.noise_std[channel] * np.sqrt(2 / samples)
-        if abs(size[channel] - other[channel]) > ANOTHER_MOTION * abs(size[channel]) + by_chance:
+        before = [_before(signal, part.start, 2 * np.pi / abs(pole.imag), cycles) for cycles in ENDS_BEFORE]
+        told = [each for each in before if each is not None]
+        apart = [
+            abs(size[channel] - _sizes(np.array([1j * pole.imag, *found.modes.poles]), each, part.start)[0, channel])
+            - SURE * found.noise_std[channel] * np.sqrt(2 / each.values.shape[1])
+            for each in told
+        ]
+        if apart and min(apart) > ANOTHER_MOTION * abs(size[channel]):
             considered[k] = replace(considered[k], remark=Remark(Reason.TONE, {"begun": True}))
     return replace(found, considered=tuple(considered))
+
+
+def _before(signal: Signal, start: Second, cycle: Second, cycles: float) -> Signal | None:
+    """Return the last cycles of a record up to some before a decay starts; None where there are too few."""
+    time, end = signal.timepts, start - cycles * cycle
+    reach = (time < end - 0.5 * signal.step) & (time >= end - MOST_BEFORE * cycle)
+    if np.sum(reach) * signal.step < LEAST_BEFORE * cycle:
+        return None
+    return replace(signal, values=signal.values[:, reach], start=float(time[reach][0]))
 
 
 def _is_steady(one: Considered) -> bool:

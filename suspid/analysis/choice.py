@@ -69,6 +69,8 @@ CYCLES_ENOUGH, DIED_AWAY = 4.0, 3.0
 # Where the slowest mode is damped by more than this, the second half of its first cycle has less than a tenth of the
 # size of the first: any pulse looks like that, and where the decay is doubted, that is no mode. Bodies have less.
 NO_CYCLE = 0.6
+# What a quick fit leaves of a motion beside a steady tone, as a share of it, is that tone up to this.
+OF_A_TONE = 0.1
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
 # Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
@@ -195,6 +197,8 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
     noise_alone = settled(found)
     refuted, answered = (FIT, ANSWERED) if noise_alone and not bent else (frozenset(), frozenset())
     answered |= FIT if not bent and explained_by_forces(found) else frozenset()
+    # A quick fit leaves the hum of the mains as it is.
+    hums = noise_alone and bool(removed_as(found.considered, Reason.TONE))
     answered |= LITTLE_SEEN if _cycles(found) > CYCLES_ENOUGH else frozenset()
     loud = np.max(found.loudness, initial=0.0) > FAR_FROM_NOISE or (bool(found.forces) and not noise_alone)
     guessed = LITTLE_SEEN if loud else frozenset()
@@ -204,9 +208,15 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
             Level.DOUBTFUL if (is_grave(doubt) and doubt.code not in refuted) or doubt.code in guessed else Level.CARE,
         )
         for doubt in decay.doubts
-        if doubt.code not in answered
+        if doubt.code not in answered and not (hums and _little(doubt))
     )
     return (*own, *late, *_never_swings(decay, found), *_not_repeated(decay, found, decays))
+
+
+def _little(doubt: Remark) -> bool:
+    """Return whether a quick fit leaves no more than a steady tone may be."""
+    share = doubt.numbers.get("share")
+    return doubt.code in FIT and isinstance(share, float) and share < OF_A_TONE
 
 
 def _cycles(found: Identification) -> float:

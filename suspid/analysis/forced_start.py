@@ -38,7 +38,10 @@ SAME_POLE = 0.05
 
 
 def later_starts(record: control.TimeResponseData, found: Identification) -> Iterator[Second]:
-    """Yield how much later a decay may begin: nothing where no mode stands for a force before it, or for the start."""
+    """Yield how much later a decay may begin: nothing where no pole stands for a force before it, or for the start."""
+    blow = behind_blow(found)
+    if blow is not None:
+        yield blow
     brief = flashes(found)
     if brief.any() and not brief.all():
         # The search for decays may begin one a few samples before its release.

@@ -23,6 +23,9 @@ PARTS, LEAST_EACH = 40, 24
 MOVING, CALMEST = 25.0, 0.25
 # What has more than this many times the energy of its calmest twentieth in no part is noise, or something steady.
 NEARLY_STEADY, CALMEST_OF_ALL = 6.0, 0.05
+# Unless its energy falls from part to part: the ranks of forty parts of noise have a correlation with time beyond this
+# by a chance of one in a million, a decay has -1.
+FALLS = -0.7
 
 
 def without_idle(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
@@ -46,11 +49,15 @@ def idle(values: RealArray) -> NDArray[np.bool_]:
 
     Examples
     --------
+    A slow decay is no noise, though a channel beside it is knocked:
+
     >>> t = np.arange(4000) / 1000
     >>> motion = np.exp(-3 * t) * np.sin(40 * t)
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal((2, 4000))
     >>> idle(np.stack([motion, 0.03 * motion, 0.0 * motion])[:, ::-1] + np.append(noise, noise[:1, ::-1], axis=0))
     array([False, False,  True])
+    >>> idle(np.stack([motion, np.exp(-0.2 * t) * np.sin(40 * t)]) + noise)
+    array([False, False])
     """
     each = values.shape[1] // PARTS
     none = np.zeros(len(values), bool)
@@ -64,8 +71,21 @@ def idle(values: RealArray) -> NDArray[np.bool_]:
     if not moves.any() or moves.all():
         return none
     least = np.quantile(energies, CALMEST_OF_ALL, axis=1)
-    steady = np.max(energies, axis=1) <= NEARLY_STEADY * least
+    steady = (np.max(energies, axis=1) <= NEARLY_STEADY * least) & (_with_time(energies) > FALLS)
     return np.asarray(steady & _alike(parts[:, moves], parts[:, ~moves]))
+
+
+def _with_time(energies: RealArray) -> RealArray:
+    """Return the correlation of the ranks of energies (channel, part) with time, (channel,).
+
+    Examples
+    --------
+    >>> _with_time(np.array([[9.0, 4.0, 1.0], [1.0, 3.0, 2.0]]))
+    array([-1. ,  0.5])
+    """
+    times = np.arange(energies.shape[1])
+    ranks = np.argsort(np.argsort(energies, axis=1), axis=1)
+    return np.asarray(np.corrcoef(times, ranks)[0, 1:])
 
 
 def _alike(there: RealArray, elsewhere: RealArray) -> NDArray[np.bool_]:

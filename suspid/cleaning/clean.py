@@ -12,6 +12,7 @@ from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.constant import alive, stilled
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
 from suspid.cleaning.on_change import evenly
+from suspid.cleaning.held_samples import once_each
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel, Recording
 from suspid.records import span
@@ -20,6 +21,7 @@ from suspid.signals import as_signal
 from suspid.units import Hertz, Second
 from suspid.values import check_rate
 from suspid.wording import moment
+from suspid.words import Defect
 
 
 @explained
@@ -34,10 +36,10 @@ def clean(
     """Return the record of a recording on one uniform clock, and the defects found.
 
     Repaired where that is safe: rounded, swapped, doubled and wrong time stamps; irregular sampling; rows that an
-    encoder writes when it counts on; isolated impossible samples and short gaps (filled, with the error measured); gaps
-    at the ends (cut off). Reported and left: clipping, offsets, drifts. Left out unless asked for by name: constant
-    channels, those on a slower clock, and those with longer gaps where at least as many others have none. Anything else
-    is an error that names the longest clean stretch.
+    encoder writes when it counts on; rows that repeat a slower sensor; isolated impossible samples and short gaps
+    (filled, with the error measured); gaps at the ends (cut off). Reported and left: clipping, offsets, drifts. Left
+    out unless asked for by name: constant channels, those on a slower clock, and those with longer gaps where at least
+    as many others have none. Anything else is an error that names the longest clean stretch.
 
     Parameters
     ----------
@@ -89,6 +91,9 @@ def clean(
     findings += further
     timepts, table, further = whole(kept, findings, by_name=by_name)
     findings += further
+    timepts, table, said = once_each(timepts, table)
+    # What was said of each channel alone is mended.
+    findings = [*(one for one in findings if not said or one.kind is not Defect.HELD_SAMPLES), *said]
     findings += stilled(timepts, table, by_name=by_name)
     order = [name for name in names if name in table]
     record = as_samples(timepts, np.array([table.pop(name) for name in order]), order, title=recording.title)

@@ -13,6 +13,7 @@ from suspid.identification.considered import removed_as
 from suspid.identification.harmonics import LOW_ORDER
 from suspid.identification.lines import clear_line, dies_away, is_even
 from suspid.identification.mode_checks import (
+    NEARLY_EACH,
     check_amplitudes,
     check_cycles,
     check_flashes,
@@ -111,13 +112,17 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_flashes(found)
     few = list(_few_samples(found))
     yield from few
-    blind = () if found.forces else numbers_of(~np.isfinite(found.halves) & (np.array(found.modes.kinds) == "pair"))
+    pairs = np.array(found.modes.kinds) == "pair"
+    blind = () if found.forces else numbers_of(~np.isfinite(found.halves) & pairs)
     if blind:
-        # Where nothing but the fit itself supports the modes, a loose fit is not enough.
+        # Where nothing but the fit itself supports the modes, a loose fit is not enough; nor is one of few samples where
+        # that is so of nearly each mode.
         alone = not np.any(np.isfinite(found.halves))
+        nearly = bool(few) and len(blind) > NEARLY_EACH * np.sum(pairs)
         loose = few or any(check.level < Level.NOTE for check in rough)
         pulse = alone and _one_shape(found)
-        weight = Level.NOTE if not alone else Level.DOUBTFUL if loose or pulse else Level.CARE
+        weight = Level.CARE if alone else Level.NOTE
+        weight = Level.DOUBTFUL if nearly or (alone and (loose or pulse)) else weight
         yield check_of(ModeCheck.NOT_CROSS_CHECKED, weight, {"modes": blind})
         if pulse:
             yield check_of(ModeCheck.ONE_SHAPE, Level.DOUBTFUL, {"channels": len(found.noise_std)})

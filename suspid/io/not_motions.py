@@ -56,7 +56,18 @@ def _counts(name: str, column: RealArray) -> bool:
 
 
 def magnitudes(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
-    """Return the channels that are the magnitude of the three before them, as telephones add it: not linear in them."""
+    """Return the channels that are the magnitude of the three before them, as telephones add it: not linear in them.
+
+    Most rows must tell so.
+
+    Examples
+    --------
+    >>> x, y, z = np.random.default_rng(1).standard_normal((3, 50))
+    >>> plan = ColumnPlan(channels=("x", "y", "z", "all"), time=None, clocks={}, rate=None, left_out={})
+    >>> columns = {"x": x, "y": y, "z": z, "all": np.sqrt(x**2 + y**2 + z**2)}
+    >>> [list(magnitudes(plan, columns | {"y": each})) for each in (y, np.full(50, np.nan))]
+    [['all'], []]
+    """
     found: dict[str, Remark] = {}
     for k in range(3, len(plan.channels)):
         name, axes = plan.channels[k], plan.channels[k - 3 : k]
@@ -64,12 +75,11 @@ def magnitudes(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[str, 
         # One that does not move is dead, which is said of it.
         if any(columns[axis].size != values.size for axis in axes) or not np.any(values > 0) or not np.ptp(values) > 0:
             continue
-        norm = np.sqrt(np.sum([columns[axis] ** 2 for axis in axes], axis=0))
-        with np.errstate(invalid="ignore"):
-            apart = float(np.nanmax(np.abs(norm - values), initial=0.0))
+        apart = np.abs(np.sqrt(np.sum([columns[axis] ** 2 for axis in axes], axis=0)) - values)
+        known = np.isfinite(apart)
         # Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its
         # largest: half a unit of the last of three digits.
-        if apart <= 5e-3 * float(np.nanmax(values)):
+        if 2 * np.sum(known) > values.size and np.max(apart[known]) <= 5e-3 * float(np.nanmax(values)):
             found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
     return found
 

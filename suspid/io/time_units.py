@@ -33,6 +33,8 @@ SURE_STEP = 20.0
 SHORTEST_GUESS = 0.15
 # A rate that is given agrees with that of stamps in a unit within this: their usual step is not their mean step.
 NEAR_RATE = 0.1
+# Steps below this, of whole numbers, are rounded by too much to tell a missing row.
+ROUNDED_BELOW = 10.0
 # Calls from the line that has a table to the column of its time: a warning shows that line.
 CALLS_TO_HERE = 7
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
@@ -145,9 +147,7 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     known = continued(stamps[np.isfinite(stamps)])[0]
     with np.errstate(over="ignore"):
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
-    # Rows that are missing make the mean step longer, rounding and jitter the usual one wrong.
-    mean = float(np.ptp(known)) / (known.size - 1) if step > 0 else 0.0
-    pace = mean if mean and abs(mean / step - 1) < NEAR_RATE else step
+    pace = _pace(known, step) if step > 0 else 0.0
     finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
     if finer != "s":
         others = _other_units(finer, step, whole=bool(np.all(known % 1 == 0)))
@@ -158,6 +158,22 @@ def unit_remark(stamps: RealArray) -> Remark | None:
         )
     length = float(np.ptp(known)) if 0 < step < MINUTE_STEP else SHORT_RECORD
     return Remark(LeftOut.SHORT_SECONDS, {"length": length, "rate": 1 / pace}) if length < SHORT_RECORD else None
+
+
+def _pace(stamps: RealArray, step: float) -> float:
+    """Return the mean step of stamps, whose usual step may be rounded or jitter, without those where rows are missing.
+
+    Examples
+    --------
+    >>> rows = np.delete(20022.3 * np.arange(400.0), range(60, 390, 11)).round()
+    >>> round(_pace(rows, 20022.0), 1), round(_pace((np.arange(400.0) / 0.93).round(), 1.0), 2)
+    (20022.3, 1.08)
+    """
+    steps = np.diff(stamps)
+    # Where whole numbers are near to the step, a step of two is no missing row.
+    rows = np.sum(np.maximum(np.round(steps / step), 0)) if step > ROUNDED_BELOW else steps.size
+    mean = float(np.ptp(stamps)) / max(float(rows), 1.0)
+    return mean if abs(mean / step - 1) < NEAR_RATE else step
 
 
 def _other_units(unit: str, step: float, *, whole: bool) -> tuple[str, ...]:

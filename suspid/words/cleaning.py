@@ -271,6 +271,11 @@ class Defect(Code):
         "at {rate:.6g} Hz between the boundaries of the counts, about half a count off at most; counts that change "
         "later on the way back, as those of gears with play, are not told",
     )
+    ONE_OF_EACH = (
+        "one of each",
+        "each sample stands in {rows} rows: the sensor is slower than the logger; one of each is used, at "
+        "{rate:.6g} Hz",
+    )
     PACKETS = (
         "packets",
         "rows came in {packets} packets of about {rows:.0f}, each with one time stamp; uniform sampling at {rate:.6g} "

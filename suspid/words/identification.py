@@ -135,8 +135,8 @@ class ModeCheck(Code):
         "not cross-checked",
         sentence(
             lambda n: (
-                f"{_modes(n['modes']).capitalize()} could not be checked against the halves of the decay: one half "
-                f"alone does not determine {'them' if _several(n['modes']) else 'it'}."
+                f"{_modes(n['modes']).capitalize()} could not be checked against the halves of the decay: a fit "
+                f"to one half alone does not show {'them' if _several(n['modes']) else 'it'}."
             )
         ),
     )

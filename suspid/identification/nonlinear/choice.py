@@ -39,12 +39,13 @@ KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.C
 # Steps that lead nowhere may overflow; what is not finite is refused.
 @np.errstate(over="ignore", invalid="ignore")
 def chosen(
-    record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float, followed: bool
+    record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float, followed: bool, rubs: bool
 ) -> StructureFit | None:
     """Return the structure of least BIC near a linear fit or one with forces.
 
     None if its BIC is not below the highest, or if a mode of it does not stand. A motion that linear modes have not
-    ``followed`` has one with friction from the equations of motion, if that leaves only noise.
+    ``followed`` has one with friction from the equations of motion, if that leaves only noise. Where nothing ``rubs``
+    and no force was found, none has friction.
 
     Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
     Modes are added, up to ``most``, as long as each explains most of the residual.
@@ -54,7 +55,8 @@ def chosen(
         return None
     strong = strongest(record, plain)
     rubbed = LONGEST_RUBBED if bent is not None else LONGEST_BLIND
-    rub = by_equations(record, strong, most=most, highest=highest, longest=rubbed, followed=followed)
+    rubs = rubs or bent is not None
+    rub = by_equations(record, strong, most=most, highest=highest, longest=rubbed, followed=followed) if rubs else []
     best = rub[0] if rub else None
     if not followed and (best is None or not explains(best, highest)):
         return None
@@ -63,6 +65,8 @@ def chosen(
             continue
         for order, kind in _kinds(record, start, bent, highest):
             longest = rubbed if kind is ForceKind.FRICTION else LONGEST_FITTED
+            if kind is ForceKind.FRICTION and not rubs:
+                continue
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
                 continue
             if best is None or not explains(best, highest):

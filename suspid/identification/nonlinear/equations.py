@@ -19,7 +19,7 @@ import numpy as np
 
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, mean_sign
-from suspid.identification.nonlinear.motion import Structures
+from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.structure import StructureFit, evaluated, gains_of
 from suspid.levels import EXACT
 from suspid.units import ComplexArray, RealArray
@@ -48,22 +48,24 @@ class Measured:
     order: int
     moved: RealArray  # displacements, or for the other orders speeds
     least: float  # share of the accelerations of each channel that equations must tell
+    longest: int  # steps of the motion of a start, at most
 
     @classmethod
-    def of(cls, values: RealArray, order: int, theta: ComplexArray, least: float) -> Measured:
+    def of(cls, values: RealArray, order: int, theta: ComplexArray, least: float, longest: int) -> Measured:
         """Return what was measured with its motion, in which a linear fit has the exponents ``theta``.
 
         Offsets, and the line that they become in sums, are told from the motion by that fit.
         """
         if not order:
-            return cls(values=values, order=order, moved=values, least=least)
+            return cls(values=values, order=order, moved=values, least=least, longest=longest)
         about = values - values[:, :1]
         sums = about if order == 1 else np.cumsum(about, axis=1) - 0.5 * about
         samples = np.arange(values.shape[1])
         lines = (samples / len(samples))[:, None] ** np.arange(order)
         swings = np.exp(np.outer(samples, theta))
         parts = np.linalg.lstsq(np.column_stack([lines, swings.real, swings.imag]), sums.T, rcond=None)[0]
-        return cls(values=values, order=order, moved=np.asarray(sums - (lines @ parts[:order]).T), least=least)
+        moved = np.asarray(sums - (lines @ parts[:order]).T)
+        return cls(values=values, order=order, moved=moved, least=least, longest=longest)
 
     def signs(self, forces: tuple[Force, ...], half: int) -> tuple[RealArray, RealArray]:
         """Return the means of the signs of the speeds that forces follow, and the speeds, (force, sample)."""
@@ -101,17 +103,19 @@ class Equations:
         return np.asarray(light + 1j * theta.imag), np.asarray(vectors[:count, turning].T)
 
 
-def from_equations(record: Record, theta: ComplexArray, *, least: float = 0.0) -> Iterator[list[list[StructureFit]]]:
+def from_equations(
+    record: Record, theta: ComplexArray, *, longest: int, least: float = 0.0
+) -> Iterator[list[list[StructureFit]]]:
     """Yield starts from the equations of motion with friction, as many modes as channels.
 
     The channels are displacements, speeds or accelerations: first what equations tell most of, then what the likeliest
     start has, then displacements. Of each, the first starts are the likeliest of each place of friction (see
     `rubbing`), then the next ones. A linear fit has the exponents ``theta``. Equations tell at ``least`` this share of
-    the accelerations.
+    the accelerations, and no motion takes more steps than the ``longest``.
     """
     period = 2 * np.pi / float(np.min(theta.imag))
     halves = list(dict.fromkeys(max(FEWEST_IN_HALF, round(width * period)) for width in WIDTHS))
-    measured = [Measured.of(record.values, order, theta, least) for order in range(ORDERS)]
+    measured = [Measured.of(record.values, order, theta, least, longest) for order in range(ORDERS)]
     ground = [_on_the_ground(each, halves) for each in measured]
     first = int(np.argmin([_untold(equations) for equations in ground]))
     likely = {first: _likely(record, measured[first], ground[first])}
@@ -195,7 +199,8 @@ def _start(record: Record, measured: Measured, equations: Equations) -> Structur
     if modes is None or np.min(equations.told) < measured.least:
         return None
     theta, shapes = modes
-    if np.max(np.abs(theta)) > np.pi:
+    steps = steps_of(theta, record.values.shape[1], ForceKind.FRICTION)
+    if np.max(np.abs(theta)) > np.pi or steps > measured.longest:
         return None
     gains = gains_of(theta, shapes, equations.slowed)
     begins = _beginnings(record, measured.order, theta, shapes, gains, equations.signs)

@@ -77,12 +77,14 @@ class Means:
             whole_highest=highest,
         )
 
-    def structure(self, plain: DrivenFit, *, most: int, followed: bool) -> StructureFit | None:
+    def structure(self, plain: DrivenFit, *, most: int, followed: bool, rubs: bool) -> StructureFit | None:
         """Return the structure of several modes of least BIC near a linear fit to the means (see `choice.chosen`).
 
         It is fitted to every sample. None if there is none.
         """
-        best = chosen(self.record, plain, self.found, most=most, highest=self.highest, followed=followed)
+        best = chosen(
+            self.record, plain, self.found, most=most, highest=self.highest, followed=followed, rubs=rubs
+        )
         # The swings of a single mode are described by the forces as they were measured.
         if best is None or len(best.theta) < 2:
             return None

@@ -10,8 +10,6 @@ from suspid.identification.nonlinear.descent import Around, fitted
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.equations import from_equations
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import ForceKind
-from suspid.identification.nonlinear.motion import steps_of
 from suspid.identification.nonlinear.standing import explains, leaves_more, misses
 from suspid.identification.nonlinear.structure import StructureFit
 
@@ -46,9 +44,9 @@ def by_equations(
     """
     if not 1 < len(record.values) <= most or not leaves_more(strong, record.noise):
         return []
-    best = list[StructureFit]()
-    for ranks in from_equations(record, strong.drive.theta, least=0.0 if followed else TOLD_WITHOUT_MODES):
-        fits = _fits_of(ranks, strong, highest, longest)
+    best, told = list[StructureFit](), 0.0 if followed else TOLD_WITHOUT_MODES
+    for ranks in from_equations(record, strong.drive.theta, longest=longest, least=told):
+        fits = _fits_of(ranks, strong, highest)
         if fits is None:
             return []
         best = fits if fits and (not best or fits[0].bic < best[0].bic) else best
@@ -60,14 +58,11 @@ def by_equations(
     return [best[0], *(fitted(fit) for fit in elsewhere.values())]
 
 
-def _fits_of(
-    ranks: list[list[StructureFit]], strong: DrivenFit, highest: float, longest: int
-) -> list[StructureFit] | None:
+def _fits_of(ranks: list[list[StructureFit]], strong: DrivenFit, highest: float) -> list[StructureFit] | None:
     """Return the fits that starts of each rank lead to, the best one first; None where modes without friction do."""
     fits, starts = list[StructureFit](), list[StructureFit]()
     for rank in ranks:
         likely = [start for start in rank if start.loss < strong.loss + MORE_AT_FIRST * start.residual.size]
-        likely = [s for s in likely if steps_of(s.theta, s.residual.shape[1], ForceKind.FRICTION) <= longest]
         starts += likely
         for start in likely:
             fits = _with_fit(fits, start, highest)

@@ -28,7 +28,7 @@ from suspid.identification.nonlinear.feedback import (
 from suspid.identification.nonlinear.lengthening import at_full_rate, lengthened
 from suspid.identification.nonlinear.own import next_poles, repeated
 from suspid.identification.nonlinear.rates import Means, WithoutForces
-from suspid.identification.nonlinear.signs import distorted, overtones_alone, rises_again
+from suspid.identification.nonlinear.signs import distorted, overtones_alone, rises_again, straight
 from suspid.identification.nonlinear.standing import driven_stands, energies, misses
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
@@ -126,7 +126,7 @@ def _structure(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Be
         return None
     followed = bool(np.all(_follows(means.record.values, plain.squares)))
     try:
-        structure = means.structure(plain, most=most, followed=followed)
+        structure = means.structure(plain, most=most, followed=followed, rubs=not straight(sought.selection))
     except np.linalg.LinAlgError:
         # A motion that runs away has no covariance.
         return None

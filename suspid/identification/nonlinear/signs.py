@@ -59,6 +59,16 @@ def distorted(selection: Selection) -> bool:
     )
 
 
+def straight(selection: Selection) -> bool:
+    """Return whether a linear fit leaves only noise, and its pairs are no parts or multiples: nothing rubs.
+
+    Friction stops what moves, which only many poles follow; a sensor that is not coupled to a mean adds a real one.
+    """
+    split = any(remark.code is Reason.SPLIT for _, remark in selection.rejected)
+    modes = selection.modes
+    return bool(len(modes)) and not split and not distorted(selection) and bool(np.all(selection.loudness[modes] <= 1))
+
+
 def rises_again(selection: Selection) -> bool:
     """Return whether what is near the strongest pair sinks, and rises again above the noise: one mode alone does not.
 
