@@ -73,6 +73,8 @@ NO_CYCLE = 0.6
 OF_A_TONE = 0.1
 # Those that are about the quick fit alone.
 ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
+# Decibels by which the start of a decay is above its end where fast modes may have died between: 3 in amplitude.
+FAR_ABOVE = 10.0
 # Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
 # they say that it is one by chance. A single one may be a knock at another part; larger numbers believe driven motion.
 SOME_UNLIKE, MANY_UNLIKE = 2, 3
@@ -210,7 +212,13 @@ def doubts_of(used: Sequence[Decay], found: Identification, decays: Sequence[Dec
         for doubt in decay.doubts
         if doubt.code not in answered and not (hums and _little(doubt))
     )
-    return (*own, *late, *_never_swings(decay, found), *_not_repeated(decay, found, decays))
+    return (
+        *own,
+        *late,
+        *_never_swings(decay, found),
+        *_not_repeated(decay, found, decays),
+        *_died_before(decay, found, decays),
+    )
 
 
 def _little(doubt: Remark) -> bool:
@@ -254,6 +262,22 @@ def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) 
         return ()
     level = Level.DOUBTFUL if unlike >= MANY_UNLIKE else Level.CARE
     return (Check(Remark(RecordCheck.NOT_REPEATED, {"unlike": unlike, "others": len(others)}), level),)
+
+
+def _died_before(decay: Decay, found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:
+    """Return the doubt that a far larger decay, of which the one that is used is the end, has a mode beside its modes.
+
+    A fast mode dies first, and the end of a decay looks cleaner than its start.
+    """
+    wn = found.modes.wn
+    before = (one for one in decays if one.start < decay.start < one.stop and one.level > decay.level + FAR_ABOVE)
+    for other in before if len(wn) else ():
+        missing = [each for each in other.wn.tolist() if not in_common(np.array([each]), wn)]
+        if missing:
+            hertz = ", ".join(f"{each / (2 * np.pi):.4g}" for each in missing)
+            numbers = {"start": other.start, "number": len(missing), "hertz": hertz}
+            return (Check(Remark(RecordCheck.DIED_BEFORE, numbers), Level.CARE),)
+    return ()
 
 
 def level_of(found: Identification, used: Sequence[Decay], decays: Sequence[Decay]) -> Level:

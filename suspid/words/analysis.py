@@ -266,6 +266,15 @@ class RecordCheck(Code):
         "{unlike} of the {others} other stretches that look like decays show none of these modes: the recording may be "
         "driven throughout, and this stretch may look like a decay by chance.",
     )
+    DIED_BEFORE = (
+        "died before",
+        sentence(
+            lambda n: (
+                f"The decay that begins at {moment(n['start'])} s, of which this one is the end, looks as if it had "
+                f"{'a mode' if n['number'] == 1 else 'modes'} at {n['hertz']} Hz beside these: what is fast dies first."
+            )
+        ),
+    )
     NEVER_SWINGS = (
         "never swings",
         "Nothing swings in the stretch that is used, and no hold or step before it was seen: the end of a pulse looks "

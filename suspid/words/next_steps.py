@@ -159,6 +159,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.HELD_UP: NextStep.WHICH_PART,
     RecordCheck.DECAY: NextStep.WHICH_PART,
     RecordCheck.NEVER_SWINGS: NextStep.WHICH_PART,
+    RecordCheck.DIED_BEFORE: NextStep.WHICH_PART,
     RecordCheck.LARGEST_USED: NextStep.WHICH_PART,
     RecordCheck.AFTER_LOCK: NextStep.WHICH_PART,
     RecordCheck.FALLS_LATE: NextStep.WHICH_PART,
