@@ -1,4 +1,4 @@
-"""Decays in which one channel rests before the others: friction holds its mass, and the structure is another one."""
+"""Decays that end where a channel rests: friction holds its mass, and the structure is another one."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import numpy as np
 from suspid.analysis.choice import settled, tried
 from suspid.analysis.settings import Settings
 from suspid.analysis.used import Used, used_of
-from suspid.decays import Decays, rests_from
-from suspid.signals import as_signal
+from suspid.analysis.until_locked import AS_ONE_AFTER
+from suspid.decays import Decays, rest_of, rests_from
+from suspid.signals import Signal, as_signal
+from suspid.units import Second
 from suspid.words import Level
 
 if TYPE_CHECKING:
@@ -27,21 +29,20 @@ FEWEST_ALIKE = 3
 def until_one_rests(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
     """Return the decay up to where its first channel rests, if more than noise was left and less is then.
 
-    With one mass held, another moves by itself: no fit with the modes of both explains what is left of the motion.
+    All may rest within noise, in which a decay seems to go on. With one mass held, another moves by itself: no fit with the modes of both explains what is left of the motion.
     """
     found = best.identification
     if len(best.used) != 1 or not isinstance(best.decays, Decays) or found is None or settled(found):
         return best
     part, decay = as_signal(best.record), best.used[0]
-    # Where the only channel rests, the stretch has ended.
-    if len(part.channels) == 1:
-        return best
     channels = [
         replace(part, values=row[None], channels=(name,)) for name, row in zip(part.channels, part.values, strict=True)
     ]
-    stop = min(map(rests_from, channels))
+    # Where the only channel rests, the stretch has ended but for noise.
+    every = _rests_in_noise(part)
+    stop = min([every, *(map(rests_from, channels) if len(channels) > 1 else ())])
     early = stop <= decay.start + SHARE_LEFT * (decay.stop - decay.start)
-    if early or stop > part.timepts[-1] - (FEWEST_ALIKE - 0.5) * part.step:
+    if (early and stop < every) or stop > part.timepts[-1] - (FEWEST_ALIKE - 0.5) * part.step:
         return best
     used = used_of(record, best.decays, replace(decay, stop=stop))
     less = tried(used.record, settings)
@@ -50,3 +51,9 @@ def until_one_rests(record: control.TimeResponseData, best: Used, settings: Sett
     quieter = np.max(less.loudness, initial=0.0) < np.max(found.loudness, initial=0.0)
     better = settled(less) or (quieter and less.verdict.level >= max(found.verdict.level, Level.CARE))
     return replace(used, identification=less) if better and len(less.modes) else best
+
+
+def _rests_in_noise(part: Signal) -> Second:
+    """Return the time from which on all channels rest within their noise, the last time where they do not."""
+    rest = rest_of(part.values[:, ::-1], most=AS_ONE_AFTER)
+    return float(part.timepts[part.values.shape[1] - 1 - rest])
