@@ -140,7 +140,7 @@ class IdentificationError(SuspidError):
     ...     identify(record, modes=3)
     ... except IdentificationError as error:
     ...     print(error, error.found.wn.round(1))
-    3 modes were requested, 1 could be found, at 20.03 rad/s; nothing else in the record decays like a mode: ... [20.]
+    3 modes were requested, 1 could be found, at 20.03 rad/s; no other pole of that fit is a mode: ... [20.]
     """
 
     def __init__(self, *parts: object, found: ModalSet | None = None) -> None:

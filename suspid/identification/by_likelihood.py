@@ -169,8 +169,8 @@ def _check_count(modes: ModalSet, count: int | None) -> None:
     if count is not None and len(modes) < count:
         where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
         raise IdentificationError(
-            f"{count} modes were requested, {len(modes)} could be found{where}; nothing else in the record decays "
-            f"like a mode: request fewer, or leave their number open",
+            f"{count} modes were requested, {len(modes)} could be found{where}; no other pole of that fit is a "
+            f"mode: request fewer, or leave their number open",
             found=modes if len(modes) else None,
         )
 

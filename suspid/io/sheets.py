@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
@@ -63,7 +63,17 @@ def text_of(rows: Sequence[Sequence[Any]]) -> bytes:
     >>> text_of([["time\n[s]", "seat"], [2.0, 1.5e-7], [timedelta(hours=1, milliseconds=2), ""]])
     b'time [s]\tseat\n2\t1.5e-07\n01:00:00.002000\t\n'
     """
-    return "".join(f"{chr(9).join(map(_cell, row))}\n" for row in rows).encode("utf-8", "replace")
+    # A stamp at midnight is a date to a spreadsheet.
+    stamped = {k for row in rows for k, value in enumerate(row) if isinstance(value, datetime)}
+    whole = (
+        [_cell(datetime.combine(value, time()) if k in stamped and _is_date(value) else value) for k, value in each]
+        for each in map(enumerate, rows)
+    )
+    return "".join(f"{chr(9).join(cells)}\n" for cells in whole).encode("utf-8", "replace")
+
+
+def _is_date(value: object) -> TypeGuard[date]:
+    return isinstance(value, date) and not isinstance(value, datetime)
 
 
 def _is_number(value: object) -> bool:

@@ -17,6 +17,8 @@ Kind: TypeAlias = Literal["number", "missing", "stamp", "date", "text"]
 
 # What loggers, spreadsheets and C libraries print in place of a number, without its sign.
 MISSING = {"", "nan", "na", "n/a", "#n/a", "#na", "#nv", "null", "none", "nil", "-", "--", "---", "----", "?", "*"}
+# Beyond the range of a meter or a converter.
+MISSING |= {"ovl", "ol", "o.l.", "overload", "overflow", "overrange", "over", "1.#inf", "1.#j", "invalid", "bad"}
 MISSING |= {"***", "nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "1.#snan"}
 MISSING |= {"#value!", "#wert!", "#div/0!", "#num!", "#zahl!"}
 POINT_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?", re.I | re.A)

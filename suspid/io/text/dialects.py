@@ -28,6 +28,8 @@ NUMBER_ROW, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
 # The exponent that ends a number with a decimal point; behind a whole number, a comma may be its decimal sign.
 TENS = re.compile(r"(?m)(?<=\.)(1*)[eE][+-]?1+(?=[,;\t |]|$)")
 AS_ONES = bytes.maketrans(b"0123456789", b"1111111111")
+# A number whose thousands are marked by blanks.
+GROUPED = re.compile("[+-]?\\d{1,3}(?:[ \u2009\xa0\u202f]\\d{3})+(?:[.,]\\d+)?")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 
@@ -136,7 +138,8 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
     # Blanks and tabs read what tabs alone read, and a few lines of a header besides.
     tabs = max((trial.score for trial in trials if trial.dialect.delimiter == "\t"), default=0.0)
     # Share of the lines that are read with blanks as well: if tabs read as many, tabs separate the cells.
-    trials = [t for t in trials if t.dialect.delimiter != " " or tabs < 0.8 * t.score]
+    marked = tabs > 0 and _has_marked_thousands(sample)
+    trials = [t for t in trials if t.dialect.delimiter != " " or not (marked or tabs >= 0.8 * t.score)]
     best = max(trial.score for trial in trials)
     ties = [trial for trial in trials if trial.score > best - 1e-9]
     chosen = max(ties, key=lambda trial: trial.rank)
@@ -147,6 +150,23 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
         rows = [line for line in sample if "," in line and "number" in COMMAS.kinds(line)]
         chosen = (two if _are_two(rows, head) else one) if rows else chosen
     return chosen.dialect, chosen.width
+
+
+def _has_marked_thousands(lines: Sequence[str]) -> bool:
+    """Return whether blanks stand between the thousands of cells that tabs separate, in most rows.
+
+    Examples
+    --------
+    >>> _has_marked_thousands(["0,5\\t12 002,5\\t-3"] * 9), _has_marked_thousands(["0.5 12 002\\t1"] * 9)
+    (True, False)
+    """
+    rows = [[cell.strip() for cell in line.split("\t")] for line in lines if "\t" in line.strip()]
+    marked = [
+        any(GROUPED.fullmatch(cell) for cell in row)
+        and all(GROUPED.fullmatch(cell) or " " not in cell for cell in row)
+        for row in rows
+    ]
+    return 2 * sum(marked) > len(lines)
 
 
 def _trials(counted: Mapping[str, int]) -> list[_Trial]:

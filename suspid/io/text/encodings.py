@@ -69,7 +69,8 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
                 f"is neither UTF-8 nor Windows-1252 text: byte 0x{byte:02x} on line {line}; save it as UTF-8"
             ) from None
         said["encoding"] = Remark(LeftOut.WINDOWS_1252, {"byte": byte, "line": line})
-    content = content.rstrip(b"\x1a")
+    # Loggers that lose their power leave zero bytes behind the last row.
+    content = content.rstrip(b"\x1a\0")
     _refuse_control(content)
     # The minus sign that spreadsheets write in Swedish and other languages.
     if not content.isascii() and MINUS in content:
@@ -112,6 +113,11 @@ def _refuse_control(content: bytes) -> None:
         odd |= codes == 0x7F
         if odd.any():
             first = int(np.argmax(odd))
-            what = "zero bytes" if codes[first] == 0 else f"the control byte 0x{codes[first]:02x}"
             line = content.count(b"\n", 0, start + first) + 1
-            raise RecordError(f"is not text: it contains {what} (line {line}); if it is UTF-16, save it as UTF-8")
+            if codes[first]:
+                what = f"the control byte 0x{codes[first]:02x}"
+                raise RecordError(f"is not text: it contains {what} (line {line}); remove it, or export it anew")
+            raise RecordError(
+                f"is not text: it contains zero bytes (line {line}); if it is UTF-16, save it as UTF-8; if the logger "
+                f"lost its power there, remove that line"
+            )
