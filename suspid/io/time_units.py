@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 
 from suspid.errors import RecordError, RecordWarning
+from suspid.io.clock_digits import seconds_of_digits
 from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
 from suspid.io.tables import Table
 from suspid.stamps import continued
@@ -52,7 +53,11 @@ def time_unit(table: Table, time: str) -> str:
 
 def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
     """Return the numbers of a column of time in seconds."""
-    unit = time_unit(table, time) or epoch_unit(stamps)
+    unit = time_unit(table, time)
+    of_digits = None if unit else seconds_of_digits(stamps)
+    if of_digits is not None:
+        return of_digits
+    unit = unit or epoch_unit(stamps)
     if unit not in PER_SECOND:
         raise RecordError(unknown_unit(time))
     return np.asarray(stamps / PER_SECOND[unit])
@@ -141,6 +146,8 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     >>> print(unit_remark(rows / 200 / 60))
     is not stated; taken as s: 0.0083 s at 12000 Hz; give fs=200 if they are min
     """
+    if seconds_of_digits(stamps) is not None:
+        return Remark(LeftOut.OF_DIGITS)
     unit = epoch_unit(stamps)
     if unit != "s":
         return Remark(LeftOut.DAYS if unit == "days" else LeftOut.EPOCH, {"unit": unit})

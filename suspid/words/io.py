@@ -150,6 +150,7 @@ class LeftOut(Code):
     IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of this size are {unit} since 1970"
     DAYS = "days", "is not stated; numbers of this size are dates in {unit}"
+    OF_DIGITS = "of_digits", "is not stated; its numbers are hours, minutes and seconds, such as 235959.5"
     FINER_UNIT = (
         "finer_unit",
         sentence(
