@@ -159,6 +159,12 @@ def find_rows(
         raise RecordError(
             f"the rows end at line {last}, but {line - 1 - last} lines follow: {shortened(odd[below[0]])}"
         )
+    again = next((n for n, row in odd.items() if n < last and _names_again(row, layout)), None)
+    if again is not None:
+        raise RecordError(
+            f"the names of the columns stand again on line {again}: the file holds several recordings, one below the "
+            f"other; save each in a file of its own"
+        )
     said = {f"line {n}": _why(row, layout, n, last) for n, row in odd.items() if n < last or not other}
     if other:
         numbers: dict[str, Number] = {"lines": len(below), "line": shortened(odd[below[0]])}
@@ -169,6 +175,14 @@ def find_rows(
     said |= {} if ending is None else {f"line {line - 1}": ending}
     size = line - first - len(skipped)
     return Rows(text=text, start=start, first=first, layout=layout, skipped=skipped, size=size, read=read), said
+
+
+def _names_again(text: str, layout: Layout) -> bool:
+    """Return whether a line has the names of the columns, perhaps with their units."""
+    cells, names = layout.dialect.cells(text), layout.names
+    return len(cells) == len(names) and all(
+        cell.startswith(name) for cell, name in zip(cells, names, strict=True) if name
+    )
 
 
 def _are_table(lines: Sequence[str], layout: Layout) -> bool:
