@@ -10,6 +10,7 @@ from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.sentinels import known, possible, without_sentinels
 from suspid.cleaning.spikes import without_spikes
+from suspid.cleaning.stopped import stopped_at
 from suspid.cleaning.wraps import unwrapped
 from suspid.levels import UNLIKELY
 from suspid.stamps import Indices
@@ -80,7 +81,8 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     if np.sum(~np.isnan(repaired)) >= 8:
         findings += clipping(name, *known(times, repaired))
         repaired, dropouts = _without_dropouts(name, times, repaired)
-        findings += dropouts
+        repaired, stopped = _until_it_stops(name, times, repaired)
+        findings += dropouts + stopped
         findings += _level(name, *known(times, repaired))
     kept = repaired is values and not values.flags.writeable
     return Inspected(values=values if kept else frozen_real(repaired), findings=tuple(findings))
@@ -134,6 +136,21 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
     cleared = values.copy()
     cleared[where] = np.nan
     return cleared, [found(Defect.DROPOUT, times[where], where.size, numbers, channel=name)]
+
+
+def _until_it_stops(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
+    """Remove what a sensor that has stopped repeats to the end."""
+    if values[-1] != values[-2]:
+        return values, []
+    good = np.flatnonzero(~np.isnan(values))
+    first = stopped_at(values[good])
+    if first == good.size:
+        return values, []
+    cleared = values.copy()
+    cleared[good[first:]] = np.nan
+    numbers: dict[str, Number] = {"value": float(values[-1])}
+    where = good[first:]
+    return cleared, [found(Defect.STOPPED, times[where], where.size, numbers, channel=name)]
 
 
 def _last_by_chance(samples: RealArray, starts: Indices, lengths: Indices, runs: Indices) -> Flags:

@@ -338,6 +338,15 @@ class Defect(Code):
         ),
     )
     DROPOUT = "dropout", _dropout
+    STOPPED = (
+        "stopped",
+        sentence(
+            lambda n: (
+                f"{_count(n, 'sample')} of exactly {n['value']:.6g} to the end, without the noise there was before: the "
+                f"sensor or its logger has stopped{AS_MISSING}"
+            )
+        ),
+    )
     MISSING = "missing", _missing
     CLIPPED = "clipped", _clipped
     HELD_SAMPLES = (
