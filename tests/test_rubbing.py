@@ -48,7 +48,7 @@ def moved(rig: rigs.Rig, count: int = 400, order: int = 0) -> Real:
 
 
 def measured(values: Real, order: int = 0) -> Measured:
-    return Measured.of(values, order, LINEAR, 0.0)
+    return Measured.of(values, order, LINEAR, 0.0, 3000)
 
 
 def record_of(rig: rigs.Rig, *, noise: float = 3e-4, order: int = 0) -> tuple[Record, DrivenFit]:
@@ -96,7 +96,7 @@ class TestEquations:
 
     def test_starts_have_the_modes_and_begin_where_the_motion_does(self) -> None:
         record, plain = record_of(RIG)
-        first = next(from_equations(record, plain.drive.theta))[0][0]
+        first = next(from_equations(record, plain.drive.theta, longest=3000))[0][0]
         assert first.forces == STRUTS
         assert first.order == 0
         assert np.abs(first.theta) == pytest.approx(RIG.wn * STEP, rel=0.02)
@@ -119,16 +119,16 @@ class TestEquations:
     @pytest.mark.parametrize("order", [0, 1, 2])
     def test_what_was_measured_is_tried_first(self, order: int) -> None:
         record, plain = record_of(RIG, order=order)
-        first = next(from_equations(record, plain.drive.theta))[0][0]
+        first = next(from_equations(record, plain.drive.theta, longest=3000))[0][0]
         assert first.order == order
         assert first.forces == STRUTS
 
     def test_they_must_tell_most_where_that_is_asked_for(self) -> None:
         record, plain = record_of(RIG)
         noise = replace(record, values=np.random.default_rng(4).standard_normal(record.values.shape))
-        assert any(any(ranks) for ranks in from_equations(noise, plain.drive.theta))
-        assert not any(any(ranks) for ranks in from_equations(noise, plain.drive.theta, least=0.6))
-        assert any(any(ranks) for ranks in from_equations(record, plain.drive.theta, least=0.6))
+        assert any(any(ranks) for ranks in from_equations(noise, plain.drive.theta, longest=3000))
+        assert not any(any(ranks) for ranks in from_equations(noise, plain.drive.theta, longest=3000, least=0.6))
+        assert any(any(ranks) for ranks in from_equations(record, plain.drive.theta, longest=3000, least=0.6))
 
 
 class TestRubbing:
@@ -300,10 +300,10 @@ def test_damping_that_depends_on_the_choice_of_a_stretch_leaves_the_frequency_kn
 
 def test_a_structure_is_none_where_another_fit_explains_more() -> None:
     record, plain = record_of(RIG)
-    best = choice.chosen(record, plain, None, most=6, highest=plain.bic - 1000, followed=True)
+    best = choice.chosen(record, plain, None, most=6, highest=plain.bic - 1000, followed=True, rubs=True)
     assert best is not None
-    assert choice.chosen(record, plain, None, most=6, highest=best.bic - 5, followed=True) is None
-    assert choice.chosen(record, plain, None, most=6, highest=best.bic + 5, followed=True) is not None
+    assert choice.chosen(record, plain, None, most=6, highest=best.bic - 5, followed=True, rubs=True) is None
+    assert choice.chosen(record, plain, None, most=6, highest=best.bic + 5, followed=True, rubs=True) is not None
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ from suspid.levels import likely
 from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
+from suspid.words import Check, DecayDoubt, Level, ModeCheck, Number, Reason, RecordCheck, Remark
 
 if TYPE_CHECKING:
     import control
@@ -275,7 +275,7 @@ def _died_before(decay: Decay, found: Identification, decays: Sequence[Decay]) -
         missing = [each for each in other.wn.tolist() if not in_common(np.array([each]), wn)]
         if missing:
             hertz = ", ".join(f"{each / (2 * np.pi):.4g}" for each in missing)
-            numbers = {"start": other.start, "number": len(missing), "hertz": hertz}
+            numbers: dict[str, Number] = {"start": other.start, "number": len(missing), "hertz": hertz}
             return (Check(Remark(RecordCheck.DIED_BEFORE, numbers), Level.CARE),)
     return ()
 

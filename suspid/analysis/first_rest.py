@@ -9,8 +9,8 @@ import numpy as np
 
 from suspid.analysis.choice import settled, tried
 from suspid.analysis.settings import Settings
-from suspid.analysis.used import Used, used_of
 from suspid.analysis.until_locked import AS_ONE_AFTER
+from suspid.analysis.used import Used, used_of
 from suspid.decays import Decays, rest_of, rests_from
 from suspid.signals import Signal, as_signal
 from suspid.units import Second
@@ -29,7 +29,8 @@ FEWEST_ALIKE = 3
 def until_one_rests(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
     """Return the decay up to where its first channel rests, if more than noise was left and less is then.
 
-    All may rest within noise, in which a decay seems to go on. With one mass held, another moves by itself: no fit with the modes of both explains what is left of the motion.
+    All may rest within noise, in which a decay seems to go on. With one mass held, another moves by itself: no fit
+    with the modes of both explains what is left of the motion.
     """
     found = best.identification
     if len(best.used) != 1 or not isinstance(best.decays, Decays) or found is None or settled(found):

@@ -10,9 +10,9 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.constant import alive, stilled
+from suspid.cleaning.held_samples import once_each
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
 from suspid.cleaning.on_change import evenly
-from suspid.cleaning.held_samples import once_each
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel, Recording
 from suspid.records import span

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.cleaning.findings import Finding, found
 from suspid.units import RealArray
-from suspid.words import Defect
+from suspid.words import Defect, Number
 
 # Rows at which a channel changes, at least: of so many, all at the same pace is no chance.
 FEWEST_CHANGES = 40
@@ -38,6 +38,6 @@ def once_each(
     if pace < 2:
         return times, dict(table), []
     first = slice(int(rows[0]) % pace, None, pace)
-    numbers = {"rows": pace, "rate": (size - 1) / float(times[-1] - times[0]) / pace}
+    numbers: dict[str, Number] = {"rows": pace, "rate": (size - 1) / float(times[-1] - times[0]) / pace}
     said = found(Defect.ONE_OF_EACH, times, size, numbers)
     return times[first], {name: values[first] for name, values in table.items()}, [said]

@@ -92,8 +92,10 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
         yield check_of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
     yield from check_growing(found)
     yield from check_amplitudes(found)
-    if removed_as(found.considered, Reason.HARMONIC):
-        yield check_of(ModeCheck.HARMONICS, Level.CARE)
+    harmonics = removed_as(found.considered, Reason.HARMONIC)
+    if harmonics:
+        swings = any(one.pole.imag for one in harmonics)
+        yield check_of(ModeCheck.HARMONICS if swings else ModeCheck.MIDDLE, Level.CARE)
     if any(c.remark.code is Reason.STANDS_STILL for c in found.considered):
         yield check_of(ModeCheck.STANDS_STILL, Level.DOUBTFUL)
     yield from check_halves(found)
@@ -115,8 +117,8 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     pairs = np.array(found.modes.kinds) == "pair"
     blind = () if found.forces else numbers_of(~np.isfinite(found.halves) & pairs)
     if blind:
-        # Where nothing but the fit itself supports the modes, a loose fit is not enough; nor is one of few samples where
-        # that is so of nearly each mode.
+        # Where nothing but the fit itself supports the modes, a loose fit is not enough; nor is one of few samples
+        # where that is so of nearly each mode.
         alone = not np.any(np.isfinite(found.halves))
         nearly = bool(few) and len(blind) > NEARLY_EACH * np.sum(pairs)
         loose = few or any(check.level < Level.NOTE for check in rough)

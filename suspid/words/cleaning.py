@@ -342,7 +342,7 @@ class Defect(Code):
         "stopped",
         sentence(
             lambda n: (
-                f"{_count(n, 'sample')} of exactly {n['value']:.6g} to the end, without the noise there was before: the "
+                f"{_count(n, 'sample')} of exactly {n['value']:.6g} to the end, with none of the noise before: the "
                 f"sensor or its logger has stopped{AS_MISSING}"
             )
         ),

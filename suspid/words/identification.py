@@ -191,6 +191,13 @@ class ModeCheck(Code):
         "Harmonics of the modes decay with them: a spring, damper or sensor is nonlinear. The values are those of "
         "the nearest linear decay; the intervals do not contain the effect of the nonlinearity.",
     )
+    MIDDLE = (
+        "middle",
+        "Beside the swings, something fades without swinging about as fast: the middle of the swings moves so with a "
+        "damper, spring or sensor that is not linear, and any motion does in a sensor that is coupled to alternating "
+        "current. In the first case the values are those of the nearest linear decay, and the intervals do not contain "
+        "the effect.",
+    )
     ONE_SHAPE = (
         "one shape",
         sentence(

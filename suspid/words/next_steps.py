@@ -169,6 +169,7 @@ AFTER: dict[Code, NextStep] = {
     ModeCheck.NOT_CROSS_CHECKED: NextStep.RECORD_LONGER,
     ModeCheck.HALVES_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.HARMONICS: NextStep.TWO_AMPLITUDES,
+    ModeCheck.MIDDLE: NextStep.TWO_AMPLITUDES,
     ModeCheck.STANDS_STILL: NextStep.TWO_AMPLITUDES,
     ModeCheck.REPEATS_DISAGREE: NextStep.TWO_AMPLITUDES,
     ModeCheck.UNRESOLVED: NextStep.TWO_AMPLITUDES,

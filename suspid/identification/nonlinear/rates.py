@@ -82,9 +82,7 @@ class Means:
 
         It is fitted to every sample. None if there is none.
         """
-        best = chosen(
-            self.record, plain, self.found, most=most, highest=self.highest, followed=followed, rubs=rubs
-        )
+        best = chosen(self.record, plain, self.found, most=most, highest=self.highest, followed=followed, rubs=rubs)
         # The swings of a single mode are described by the forces as they were measured.
         if best is None or len(best.theta) < 2:
             return None

@@ -153,7 +153,7 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
 
 
 def _has_marked_thousands(lines: Sequence[str]) -> bool:
-    """Return whether blanks stand between the thousands of cells that tabs separate, in most rows.
+    r"""Return whether blanks stand between the thousands of cells that tabs separate, in most rows.
 
     Examples
     --------
@@ -162,8 +162,7 @@ def _has_marked_thousands(lines: Sequence[str]) -> bool:
     """
     rows = [[cell.strip() for cell in line.split("\t")] for line in lines if "\t" in line.strip()]
     marked = [
-        any(GROUPED.fullmatch(cell) for cell in row)
-        and all(GROUPED.fullmatch(cell) or " " not in cell for cell in row)
+        any(GROUPED.fullmatch(cell) for cell in row) and all(GROUPED.fullmatch(cell) or " " not in cell for cell in row)
         for row in rows
     ]
     return 2 * sum(marked) > len(lines)
