@@ -421,8 +421,12 @@ class TestReportedAndLeft:
 
     def test_held_samples(self) -> None:
         cleaned = clean(recording(T, np.repeat(decay(T)[::4], 4)))
-        assert kinds(cleaned) == ["held samples"]
-        assert "4 samples" in cleaned.findings[0].text
+        assert kinds(cleaned) == ["one of each"]
+        assert "in 4 rows" in cleaned.findings[0].text
+        # Beside a channel that has all, nothing is done.
+        both = clean(recording(T, np.repeat(decay(T)[::4], 4), decay(T, noise=1e-3)))
+        assert kinds(both) == ["held samples"]
+        assert "4 samples" in both.findings[0].text
 
     def test_a_frozen_stretch_is_struck_out_if_short(self) -> None:
         values = decay(T, noise=1e-3)

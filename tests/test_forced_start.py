@@ -34,7 +34,9 @@ def identified(
         wn, np.full(len(wn), 0.1), wn_std=np.asarray(std) * wn, zeta_std=0.01 * np.ones(len(wn))
     )
     fields = {"noise_std": np.full(len(channels), NOISE), "halves": np.zeros(len(modes))}
-    return cast("Identification", SimpleNamespace(modes=modes, _residual=residual, _response=residual, **fields))
+    return cast(
+        "Identification", SimpleNamespace(modes=modes, considered=(), _residual=residual, _response=residual, **fields)
+    )
 
 
 def starts(before: RealArray, std: Sequence[float] = (0.001, 0.001, 0.05), **more: Sequence[str]) -> list[float]:

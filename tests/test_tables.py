@@ -271,10 +271,10 @@ class TestWithoutNames:
 
     def test_a_word_in_a_slow_channel_is_no_setting(self, tmp_path: Path) -> None:
         rows = [
-            f"{0.05 * k:.2f},{np.sin(k):.5f},{'OVER' if k == 40 else f'{k:.1f}' if not k % 20 else ''}"
+            f"{0.05 * k:.2f},{np.sin(k):.5f},{'FAULT' if k == 40 else f'{k:.1f}' if not k % 20 else ''}"
             for k in range(400)
         ]
-        with pytest.raises(RecordError, match="OVER"):
+        with pytest.raises(RecordError, match="FAULT"):
             read(tmp_path, "t,seat,temp\n" + "\n".join(rows) + "\n")
 
     def test_settings_beside_the_first_rows_are_no_channels(self, tmp_path: Path) -> None:

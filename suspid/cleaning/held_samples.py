@@ -10,8 +10,8 @@ from suspid.cleaning.findings import Finding, found
 from suspid.units import RealArray
 from suspid.words import Defect, Number
 
-# Rows at which a channel changes, at least: of so many, all at the same pace is no chance.
-FEWEST_CHANGES = 40
+# Rows at which a channel changes, at least: fewer may all be at the same pace by chance.
+CHANGES_AT_A_PACE = 40
 
 
 def once_each(
@@ -34,7 +34,7 @@ def once_each(
     for values in every:
         changes |= values[1:] != values[:-1]
     rows = np.flatnonzero(changes) + 1
-    pace = int(np.gcd.reduce(np.diff(rows))) if rows.size >= FEWEST_CHANGES else 1
+    pace = int(np.gcd.reduce(np.diff(rows))) if rows.size >= CHANGES_AT_A_PACE else 1
     if pace < 2:
         return times, dict(table), []
     first = slice(int(rows[0]) % pace, None, pace)

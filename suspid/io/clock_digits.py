@@ -8,8 +8,8 @@ from suspid.units import RealArray
 
 # The number of a day's end, and half a day [s]: a time that falls by more has passed midnight.
 END_OF_DAY, HALF_A_DAY = 240_000.0, 43_200.0
-# Steps beyond this many usual ones are jumps: where a minute ends, the digits jump by 40 s.
-JUMP = 10.0
+# Steps beyond this many usual ones are jumps: where a minute ends, the digits go on by 40 s.
+FAR_APART = 10.0
 
 
 def seconds_of_digits(stamps: RealArray) -> RealArray | None:
@@ -26,11 +26,12 @@ def seconds_of_digits(stamps: RealArray) -> RealArray | None:
     if known.size < 2 or np.min(known) < 0 or np.max(known) >= END_OF_DAY:
         return None
     usual = float(np.median(np.diff(known)))
-    hours, minutes, seconds = np.floor(stamps / 10_000), np.floor(stamps / 100) % 100, stamps % 100
-    jumps = np.abs(np.diff(known)) > JUMP * max(usual, 0.0)
+    finite = np.where(np.isfinite(stamps), stamps, np.nan)
+    hours, minutes, seconds = np.floor(finite / 10_000), np.floor(finite / 100) % 100, finite % 100
+    jumps = np.abs(np.diff(known)) > FAR_APART * max(usual, 0.0)
     if not usual > 0 or not np.any(jumps) or np.nanmax(minutes) >= 60 or np.nanmax(seconds) >= 60:
         return None
     of_day = 3600 * hours + 60 * minutes + seconds
     there = np.isfinite(of_day)
     of_day[there] += 2 * HALF_A_DAY * np.cumsum(np.diff(of_day[there], prepend=of_day[there][:1]) < -HALF_A_DAY)
-    return None if np.any(np.abs(np.diff(of_day[there])) > JUMP * usual) else of_day
+    return None if np.any(np.abs(np.diff(of_day[there])) > FAR_APART * usual) else of_day

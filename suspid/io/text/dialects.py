@@ -157,7 +157,7 @@ def _has_marked_thousands(lines: Sequence[str]) -> bool:
 
     Examples
     --------
-    >>> _has_marked_thousands(["0,5\\t12 002,5\\t-3"] * 9), _has_marked_thousands(["0.5 12 002\\t1"] * 9)
+    >>> _has_marked_thousands(["0,5\t12 002,5\t-3"] * 9), _has_marked_thousands(["0.5 12 002\t1"] * 9)
     (True, False)
     """
     rows = [[cell.strip() for cell in line.split("\t")] for line in lines if "\t" in line.strip()]
