@@ -40,6 +40,10 @@ KINDS = ("friction", "bilinear", "cubic")
 IN_STRUTS = "friction in the struts"
 # The same from accelerometers.
 FELT = "friction in the struts, accelerometers"
+# Against the ground, from sensors with white noise in place of the steps of an encoder: nothing rests in it.
+NOISY = "friction, noise"
+# Those of one mass and of two, and in the order in which each has seeds of its own.
+OF_ONE, OF_TWO, SEEDED = (*KINDS, NOISY), (*KINDS, NOISY, IN_STRUTS, FELT), (*KINDS, IN_STRUTS, FELT, NOISY)
 # Friction that stops both masses within a cycle or two leaves little to find: those that move for this long [s] have a
 # row of their own.
 MOVES_FOR = 0.5
@@ -253,10 +257,10 @@ def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, R
     held = np.cumsum(rng.uniform(0.005, 0.03, masses)) * rng.choice([-1, 1])
     rig = replace(rig, stiffness=stiffness, damping=2 * rng.uniform(0.003, 0.02, masses) * stiffness / first)
     travel = rig.links @ held
-    if kind in ("friction", IN_STRUTS, FELT):
+    if kind in ("friction", NOISY, IN_STRUTS, FELT):
         force = np.max(np.abs(rig.force(held, none)))
         rig = replace(rig, friction=rng.uniform(0.01, 0.1) * force * rng.uniform(0.5, 1.0, masses))
-        if kind != "friction":
+        if kind in (IN_STRUTS, FELT):
             # Half of them in the upper strut alone, as of a guide without friction.
             rubs = [float(rng.uniform() < 0.5), *[1.0] * (masses - 1)]
             rig = replace(rig, struts=True, friction=rig.friction * rubs)
@@ -272,9 +276,10 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
 
     The rate is 100 to 1000 Hz (at least ten samples in a period of the fastest mode), encoders have 8 to 12 bits over
     1.1 to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds. Accelerometers are
-    sampled three times as fast; their noise is 0.1 to 1.5 % of the largest value, their offset up to 5 % of it.
+    sampled three times as fast; their noise is 0.1 to 1.5 % of the largest value, as that of other noisy sensors, their
+    offset up to 5 % of it.
     """
-    rng = np.random.default_rng([seed, masses, (*KINDS, IN_STRUTS, FELT).index(kind)])
+    rng = np.random.default_rng([seed, masses, SEEDED.index(kind)])
     rig, held = random_rig(kind, masses, rng)
     rate = float(np.exp(rng.uniform(np.log(max(100.0, 10 * rig.wn[-1] / (2 * np.pi))), np.log(1000.0))))
     rate *= 3 if kind == FELT else 1
@@ -294,9 +299,13 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
         step = float(np.min(noise)) / float(rig.wn[-1]) ** 2
     else:
         values = np.concatenate([held[:, None] * level, moved.position[:, 1:]], axis=1)
-        bits = int(rng.integers(8, 13))
-        step = rng.uniform(1.1, 2.0) * 2 * float(np.max(np.abs(values))) / 2**bits
-        values = step * np.round(values / step + rng.uniform(-0.5, 0.5, (masses, 1)))
+        if kind == NOISY:
+            step = 10 ** rng.uniform(-3.0, -1.8) * float(np.max(np.abs(values)))
+            values += step * rng.standard_normal(values.shape)
+        else:
+            bits = int(rng.integers(8, 13))
+            step = rng.uniform(1.1, 2.0) * 2 * float(np.max(np.abs(values))) / 2**bits
+            values = step * np.round(values / step + rng.uniform(-0.5, 0.5, (masses, 1)))
     clock = rng.integers(3)
     pace = 1 + rng.uniform(-1e-3, 1e-3) if clock == 1 else 1.0
     stamps = np.round(time, 3) if clock == 2 else pace * time
@@ -481,7 +490,7 @@ def report(*, seeds: int = SEEDS) -> str:
     rows = []
     with ProcessPoolExecutor(max_workers=2) as pool:
         for masses in (1, 2):
-            for kind in (*KINDS, IN_STRUTS, FELT)[: len(KINDS) + 2 * (masses - 1)]:
+            for kind in OF_ONE if masses == 1 else OF_TWO:
                 found = _outcomes(pool, kind, masses, FIRST_SEED, seeds)
                 rows.append(_shown([f"{masses}, {kind}", str(seeds), *_shares(found)]))
                 if kind == "friction":
@@ -502,11 +511,12 @@ def report(*, seeds: int = SEEDS) -> str:
                 "# Rigs that are not quite linear",
                 f"Random rigs from their files, seeds {FIRST_SEED} and on, `analyse` without any setting. Friction 1 "
                 f"to 10 % of the first spring force, against the ground or in the struts (in half of the latter only "
-                f"in the upper one), there from encoders or accelerometers; dampers 1:3; springs 5 to 20 % stiffer at "
-                f"the first peak. Errors are those of records with modes to compare (of two masses: with both), the "
-                f"larger of the modes, against means over the cycles that the result is of: from turn to turn (one "
-                f"mass) or of the equivalent linear system (two masses). Intervals are counted by mode. Friction may "
-                f"stop masses, or lock a strut, within some cycles: against the ground, the first {seeds} that move "
+                f"in the upper one), there from encoders or accelerometers, elsewhere from encoders or sensors with "
+                f"white noise; dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors are those of records "
+                f"with modes to compare (of two masses: with both), the larger of the modes, against means over the "
+                f"cycles that the result is of: from turn to turn (one mass) or of the equivalent linear system (two "
+                f"masses). Intervals are counted by mode. Friction may stop masses, or lock a strut, within some "
+                f"cycles: against the ground, the first {seeds} that move "
                 f"for {MOVES_FOR} s or more have a row of their own.",
                 tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
             ]
