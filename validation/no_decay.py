@@ -6,6 +6,7 @@ A mode that is returned from such a record is false. Each kind is drawn from its
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 
@@ -160,6 +161,8 @@ def report(*, seeds: int = SEEDS) -> str:
         for kind in KINDS:
             results = list(pool.map(outcome, [kind] * seeds, range(FIRST_SEED, FIRST_SEED + seeds), chunksize=5))
             rows.append([kind, str(seeds), *(f"{100 * share:.0f} %" for share in np.mean(results, axis=0))])
+            # All rows take long.
+            print("  ".join(rows[-1]), file=sys.stderr, flush=True)
     headers = ["record", "records", "identify: not doubtful", "any mode", "analyse: not doubtful", "any mode"]
     return (
         "\n\n".join(
