@@ -84,6 +84,26 @@ def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level:
 
 
 @pytest.mark.parametrize(
+    ("more", "early", "hertz", "said"), [(30, 0.4, 17.6, 1), (5, 0.4, 17.6, 0), (30, 0.4, 5.01, 0), (30, -1, 17.6, 0)]
+)
+def test_a_mode_of_a_larger_decay_before_is_named(more: float, early: float, hertz: float, said: int) -> None:
+    """A clean end of a decay was called sound, though a mode with ten times its motion had died before it."""
+    time = np.arange(300) / 100
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    found = analyse((time, np.exp(-2.5 * time) * np.sin(10 * np.pi * time) + noise))
+    used = Decay(
+        start=1.0, stop=4.0, rank=1, kind=None, level=26.0, cycles=9.0, strength=60.0, wn=np.array([10 * np.pi]),
+        zeta=np.array([0.08]), doubts=(),
+    )  # fmt: skip
+    larger = replace(
+        used, start=1.0 - early, stop=3.0, rank=2, level=26.0 + more, wn=2 * np.pi * np.array([5.0, hertz])
+    )
+    checks = doubts_of((used,), found.identification, (used, larger))
+    named = [check for check in checks if check.remark.code is RecordCheck.DIED_BEFORE]
+    assert [(check.level, f"{hertz:g} Hz" in str(check)) for check in named] == [(Level.CARE, True)] * said
+
+
+@pytest.mark.parametrize(
     ("loud", "forces", "level"),
     [(61.0, 0, Level.DOUBTFUL), (2.0, 0, Level.CARE), (2.0, 1, Level.DOUBTFUL), (1.0, 1, Level.CARE)],
 )

@@ -365,6 +365,13 @@ class TestPoles:
         kept = replace(pole, removed=False)
         assert not said(verdict_of(replace(found, considered=(kept,))), ModeCheck.HARMONICS)
 
+    def test_what_fades_without_swinging_may_be_of_the_sensor(self, found: Identification) -> None:
+        real = Considered(pole=-1.0 + 0j, remark=Remark(Reason.HARMONIC, {"mode": 1, "multiple": 0}), removed=True)
+        verdict = verdict_of(replace(found, considered=(real,)))
+        (check,) = said(verdict, ModeCheck.MIDDLE)
+        assert check.level is Level.CARE and "coupled to alternating current" in str(check)
+        assert not said(verdict, ModeCheck.HARMONICS)
+
     @pytest.mark.parametrize(("apart", "loud", "said_so"), [(0.5, 9.0, True), (0.5, 1.0, False), (2.5, 9.0, False)])
     def test_two_modes_within_a_line_may_be_parts_of_one(self, apart: float, loud: float, *, said_so: bool) -> None:
         """Beside white noise they are two; beside a residual near them they may be one that bends."""
@@ -427,6 +434,25 @@ class TestPoles:
         monkeypatch.setattr(Identification, "halves", property(lambda _: apart))
         (check,) = said(verdict_of(found), ModeCheck.NOT_CROSS_CHECKED)
         assert check.remark.numbers["modes"] == (2,)
+        assert check.level is Level.NOTE
+
+    @pytest.mark.parametrize(("blind", "count", "level"), [(4, 40, "doubtful"), (2, 40, "note"), (4, 1000, "note")])
+    def test_many_modes_of_few_samples_that_no_half_checks(
+        self, blind: int, count: int, level: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Eight modes of 93 samples were care, though no half showed six of them."""
+        wn = np.array([12.0, 21.0, 33.0, 47.0, 58.0])
+        poles, time = (-0.02 + 1j) * wn, STEP * np.arange(1000)
+        course = np.real(np.exp(np.outer(time, poles)) @ np.array([[1.0, 0.4], [0.7, -1], [1, 1], [-1, 0.3], [0.5, 1]]))
+        noise = 1e-3 * np.random.default_rng(2).standard_normal(course.shape)
+        found = identify(as_response(time, (course + noise).T, ["a", "b"]))
+        assert len(found.modes) == 5
+        apart = np.where(np.arange(5) < blind, np.nan, 1.0)
+        monkeypatch.setattr(Identification, "halves", property(lambda _: apart))
+        signal = as_signal(found.response)
+        part = as_response(signal.timepts[:count], signal.values[:, :count], signal.channels)
+        (check,) = said(verdict_of(replace(found, response=part)), ModeCheck.NOT_CROSS_CHECKED)
+        assert check.level.label == level
 
 
 class TestNoMode:
