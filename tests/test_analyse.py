@@ -255,8 +255,10 @@ class TestVerdict:
     def test_defects_left_alone_call_for_care(self, held: bool, tmp_path: Path) -> None:
         decay = free_decay(cars.PAPER, np.arange(4000) / 400, initial_state={"v_tire": 1.0})
         signal = as_signal(add_noise(decay, snr_db=40.0, rng=np.random.default_rng(5)))
-        # A converter that passes on each sample four times.
-        values = np.repeat(signal.values[:, ::4], 4, axis=1) if held else signal.values
+        values = signal.values.copy()
+        if held:
+            # A converter that passes on each sample four times, beside others.
+            values[0] = np.repeat(values[0, ::4], 4)
         write_record(as_response(signal.timepts, values, signal.channels), tmp_path / "r.csv")
         found = analyse(tmp_path / "r.csv")
         defects = [check for check in found.verdict.checks if check.remark.code is RecordCheck.DEFECTS]

@@ -254,7 +254,9 @@ def _is_an_end(note: Remark) -> bool:
 
 def _of_recording(found: Analysis) -> Iterator[Check]:
     """Return the checks of the recording that the identification cannot see."""
-    against = [finding.check for finding in found.cleaned.findings if finding.check.level < Level.NOTE]
+    # What is wrong with a channel that was left out is not wrong with the result.
+    used = {"", *as_signal(held(found.identification, "response")).channels}
+    against = [one.check for one in found.cleaned.findings if one.check.level < Level.NOTE and one.channel in used]
     overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
     yield from overridden
     # A stated rate takes the place of what was guessed.
