@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING
@@ -38,6 +39,9 @@ def keep_apart(figure: Figure) -> None:
 LAID_OUT = 0.85
 # Height of a panel for each of its ticks [inch].
 TICK_ROOM = 0.4
+
+# Characters of a name in a legend, and the unit that may stand behind it.
+IN_LEGEND, UNIT_BEHIND = 16, re.compile(r"\s*(?:\[[^\[\]]*\]|\([^()]*\))$")
 
 # Highest frequency in view, over that of the highest mode.
 IN_VIEW = 2.5
@@ -122,8 +126,18 @@ def shown(name: str, *, most: int = 32) -> str:
 
 
 def in_legend(name: str) -> str:
-    """Return the name for a legend; matplotlib omits names that begin with an underscore."""
-    text = shown(name, most=16)
+    """Return the name for a legend, without its unit and its middle where it is long.
+
+    matplotlib omits names that begin with an underscore.
+
+    Examples
+    --------
+    >>> in_legend("Acceleration a_x [m/s^2]"), in_legend("Linear Acceleration x (m/s^2)")
+    ('Acceleration a_x', 'Linear …ration x')
+    """
+    short = name if len(name) <= IN_LEGEND else UNIT_BEHIND.sub("", name)
+    half = IN_LEGEND // 2
+    text = shown(short if len(short) <= IN_LEGEND else f"{short[: half - 1]}…{short[-half:]}")
     return f" {text}" if text.startswith("_") else text
 
 
