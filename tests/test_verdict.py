@@ -446,7 +446,7 @@ class TestPoles:
         poles, time = (-0.02 + 1j) * wn, STEP * np.arange(1000)
         course = np.real(np.exp(np.outer(time, poles)) @ np.array([[1.0, 0.4], [0.7, -1], [1, 1], [-1, 0.3], [0.5, 1]]))
         noise = 1e-3 * np.random.default_rng(2).standard_normal(course.shape)
-        found = identify(as_response(time, (course + noise).T, ["a", "b"]))
+        found = identify(as_response(np.asarray(time, float), np.asarray((course + noise).T, float), ["a", "b"]))
         assert len(found.modes) == 5
         apart = np.where(np.arange(5) < blind, np.nan, 1.0)
         monkeypatch.setattr(Identification, "halves", property(lambda _: apart))
