@@ -43,6 +43,13 @@ class TestHeldSamples:
         assert cleaned.record.time.size == TIME.size
         assert Defect.ONE_OF_EACH not in {one.kind for one in cleaned.findings}
 
+    def test_one_that_is_slower_still_is_said(self) -> None:
+        noisy = SWING + 0.003 * RNG.standard_normal((2, TIME.size))
+        held = clean(recording(TIME, seat=np.repeat(noisy[0, ::2], 2), chassis=np.repeat(noisy[1, ::4], 4)))
+        assert held.record.time.size == TIME.size // 2
+        said = [(one.channel, str(one.kind)) for one in held.findings]
+        assert said == [("chassis", "held samples"), ("", "one of each")]
+
     def test_few_counts_of_an_encoder_are_kept(self) -> None:
         counts = np.repeat(np.arange(20.0), 10)
         cleaned = clean(recording(np.arange(200) / 100, seat=counts))

@@ -10,7 +10,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.constant import alive, stilled
-from suspid.cleaning.held_samples import once_each
+from suspid.cleaning.held_samples import once_each, without_those
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
 from suspid.cleaning.on_change import evenly
 from suspid.errors import RecordError
@@ -21,7 +21,6 @@ from suspid.signals import as_signal
 from suspid.units import Hertz, Second
 from suspid.values import check_rate
 from suspid.wording import moment
-from suspid.words import Defect
 
 
 @explained
@@ -92,8 +91,7 @@ def clean(
     timepts, table, further = whole(kept, findings, by_name=by_name)
     findings += further
     timepts, table, said = once_each(timepts, table)
-    # What was said of each channel alone is mended.
-    findings = [*(one for one in findings if not said or one.kind is not Defect.HELD_SAMPLES), *said]
+    findings = [*without_those(findings, said), *said]
     findings += stilled(timepts, table, by_name=by_name)
     order = [name for name in names if name in table]
     record = as_samples(timepts, np.array([table.pop(name) for name in order]), order, title=recording.title)

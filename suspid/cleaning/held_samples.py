@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -41,3 +41,9 @@ def once_each(
     numbers: dict[str, Number] = {"rows": pace, "rate": (size - 1) / float(times[-1] - times[0]) / pace}
     said = found(Defect.ONE_OF_EACH, times, size, numbers)
     return times[first], {name: values[first] for name, values in table.items()}, [said]
+
+
+def without_those(findings: Sequence[Finding], said: Sequence[Finding]) -> list[Finding]:
+    """Return the findings without those of each channel whose samples are taken once, as is said of all."""
+    rows = [one.remark.numbers["rows"] for one in said]
+    return [one for one in findings if one.kind is not Defect.HELD_SAMPLES or one.remark.numbers["repeats"] not in rows]
