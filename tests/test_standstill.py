@@ -38,6 +38,7 @@ def of(record: control.TimeResponseData) -> Identification:
     [
         ({}, True),
         ({"noise": 1e-3}, True),
+        ({"after": 0.15}, True),  # a swing is from trough to crest
         ({"after": 0.3}, False),  # what follows hides it
         ({"after": 1.0}, False),  # it goes on
         ({"light": 0.5}, False),  # a third of it is left: a mass stops at a turn
