@@ -91,7 +91,7 @@ def test_the_rate_advised_is_that_of_the_clock(tmp_path: Path) -> None:
 
 
 def test_a_decay_of_filtered_accelerometers_beside_hum(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their filter rings for some samples, and couples them to alternating current; the mains hum throughout.
+    """Their filter rings for some samples, and they are AC-coupled; the mains hum throughout.
 
     The decay was doubtful, and took a minute, most of it to look for friction; the hum was said to begin with it.
     """

@@ -12,10 +12,13 @@ from suspid.recordings import RawChannel, Recording
 from suspid.units import RealArray
 from suspid.words import Defect, Level
 
-RNG = np.random.default_rng(7)
 POLE = -0.3 + 19j
 TIME = np.arange(1500) / 100
 SWING = np.where(TIME > 1, np.exp(POLE * (TIME - 1)).real, 1.0)
+
+
+def noise(*shape: int) -> RealArray:
+    return np.random.default_rng(7).standard_normal((*shape, TIME.size))
 
 
 def recording(time: RealArray, **channels: RealArray) -> Recording:
@@ -27,7 +30,7 @@ class TestHeldSamples:
     @pytest.mark.parametrize("rows", [2, 3, 5])
     def test_one_of_each_is_used(self, rows: int, tmp_path: Path) -> None:
         """All of them gave as many modes as rows: images of the one there is, at multiples of its rate."""
-        noisy = SWING + 0.003 * RNG.standard_normal(TIME.size)
+        noisy = SWING + 0.003 * noise()
         time = np.arange(rows * TIME.size) / (100 * rows)
         table = np.column_stack([time, np.repeat(noisy, rows)])
         np.savetxt(tmp_path / "r.csv", table, "%.6g", ",", header="time [s],seat [mm]", comments="")
@@ -38,13 +41,13 @@ class TestHeldSamples:
         assert any(f"stands in {rows} rows" in one.text for one in found.cleaned.findings)
 
     def test_a_channel_at_the_full_rate_keeps_all(self) -> None:
-        noisy = SWING + 0.003 * RNG.standard_normal((2, TIME.size))
+        noisy = SWING + 0.003 * noise(2)
         cleaned = clean(recording(TIME, seat=noisy[0], chassis=np.repeat(noisy[1, ::3], 3)))
         assert cleaned.record.time.size == TIME.size
         assert Defect.ONE_OF_EACH not in {one.kind for one in cleaned.findings}
 
     def test_one_that_is_slower_still_is_said(self) -> None:
-        noisy = SWING + 0.003 * RNG.standard_normal((2, TIME.size))
+        noisy = SWING + 0.003 * noise(2)
         held = clean(recording(TIME, seat=np.repeat(noisy[0, ::2], 2), chassis=np.repeat(noisy[1, ::4], 4)))
         assert held.record.time.size == TIME.size // 2
         said = [(one.channel, str(one.kind)) for one in held.findings]
@@ -58,7 +61,7 @@ class TestHeldSamples:
 
 class TestStoppedSensors:
     def test_the_record_ends_where_a_sensor_stops(self) -> None:
-        noisy = SWING + 0.01 * RNG.standard_normal((2, TIME.size))
+        noisy = SWING + 0.01 * noise(2)
         noisy[1, 900:] = noisy[1, 900]
         cleaned = clean(recording(TIME, seat=noisy[0], chassis=noisy[1]))
         (said,) = (one for one in cleaned.findings if one.kind is Defect.STOPPED)

@@ -370,7 +370,7 @@ class TestPoles:
         verdict = verdict_of(replace(found, considered=(real,)))
         (check,) = said(verdict, ModeCheck.MIDDLE)
         assert check.level is Level.CARE
-        assert "coupled to alternating current" in str(check)
+        assert "AC-coupled sensor" in str(check)
         assert not said(verdict, ModeCheck.HARMONICS)
 
     @pytest.mark.parametrize(("apart", "loud", "said_so"), [(0.5, 9.0, True), (0.5, 1.0, False), (2.5, 9.0, False)])

@@ -11,9 +11,8 @@ from suspid.analysis.choice import settled, tried
 from suspid.analysis.settings import Settings
 from suspid.analysis.until_locked import AS_ONE_AFTER
 from suspid.analysis.used import Used, used_of
-from suspid.decays import Decays, rest_of, rests_from
-from suspid.signals import Signal, as_signal
-from suspid.units import Second
+from suspid.decays import Decays, rests_from, stops_at
+from suspid.signals import as_signal
 from suspid.words import Level
 
 if TYPE_CHECKING:
@@ -40,7 +39,7 @@ def until_one_rests(record: control.TimeResponseData, best: Used, settings: Sett
         replace(part, values=row[None], channels=(name,)) for name, row in zip(part.channels, part.values, strict=True)
     ]
     # Where the only channel rests, the stretch has ended but for noise.
-    every = _rests_in_noise(part)
+    every = float(part.timepts[stops_at(part.values, most=AS_ONE_AFTER) - 1])
     stop = min([every, *(map(rests_from, channels) if len(channels) > 1 else ())])
     early = stop <= decay.start + SHARE_LEFT * (decay.stop - decay.start)
     if (early and stop < every) or stop > part.timepts[-1] - (FEWEST_ALIKE - 0.5) * part.step:
@@ -52,9 +51,3 @@ def until_one_rests(record: control.TimeResponseData, best: Used, settings: Sett
     quieter = np.max(less.loudness, initial=0.0) < np.max(found.loudness, initial=0.0)
     better = settled(less) or (quieter and less.verdict.level >= max(found.verdict.level, Level.CARE))
     return replace(used, identification=less) if better and len(less.modes) else best
-
-
-def _rests_in_noise(part: Signal) -> Second:
-    """Return the time from which on all channels rest within their noise, the last time where they do not."""
-    rest = rest_of(part.values[:, ::-1], most=AS_ONE_AFTER)
-    return float(part.timepts[part.values.shape[1] - 1 - rest])

@@ -14,7 +14,7 @@ from suspid.analysis.explained_parts import explains_swings, part_used, shortene
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
 from suspid.analysis.used import Used
-from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, rest_of
+from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, stops_at
 from suspid.identification import FEWEST_SAMPLES, ForceKind, Identification
 from suspid.model import ModalSet
 from suspid.records import cut, of_channels
@@ -155,7 +155,7 @@ def _stop(values: RealArray, step: float) -> int:
     if np.ptp(values) <= MOVED_BEFORE * step:
         return size
     rests = within if size - within > FEWEST_SAMPLES and within > (1 - AS_ONE_AFTER) * size else size
-    return min(rests, size - rest_of(values[None, ::-1], most=AS_ONE_AFTER))
+    return min(rests, stops_at(values[None], most=AS_ONE_AFTER))
 
 
 def _time(signal: Signal, sample: int) -> Second:

@@ -146,10 +146,10 @@ def _until_it_stops(name: str, times: RealArray, values: RealArray) -> tuple[Rea
     first = stopped_at(values[good])
     if first == good.size:
         return values, []
-    cleared = values.copy()
-    cleared[good[first:]] = np.nan
-    numbers: dict[str, Number] = {"value": float(values[-1])}
     where = good[first:]
+    cleared = values.copy()
+    cleared[where] = np.nan
+    numbers: dict[str, Number] = {"value": float(values[-1])}
     return cleared, [found(Defect.STOPPED, times[where], where.size, numbers, channel=name)]
 
 

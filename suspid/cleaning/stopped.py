@@ -31,10 +31,8 @@ def stopped_at(samples: RealArray) -> int:
     first = int(changes[-1]) + 1 if changes.size else 0
     if size - first < FEWEST_EQUAL or first < TELL_NOISE // 2 or changes.size < (1 - REPEAT) * first:
         return size
-    before = samples[max(0, first - TELL_NOISE) : first]
-    bends = np.diff(before, n=2)
-    noise = float(np.std(bends)) / np.sqrt(6)
-    least = float(np.min(np.abs(np.diff(samples[: first + 1])[np.diff(samples[: first + 1]) != 0])))
+    bends = np.diff(samples[max(0, first - TELL_NOISE) : first], n=2)
+    steps = np.abs(np.diff(samples[: first + 1]))
     # Of noise of any size, some steps are far smaller than itself; of that of rounding, none.
-    coarse = noise < STEPS_OF_NOISE * least
+    coarse = np.std(bends) / np.sqrt(6) < STEPS_OF_NOISE * np.min(steps[steps > 0])
     return size if coarse or np.corrcoef(bends[1:], bends[:-1])[0, 1] > OF_NOISE else first

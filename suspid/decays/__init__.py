@@ -14,7 +14,7 @@ from suspid.decays.find_decays import decay_at_end, find_decays
 from suspid.decays.others import SAME_MODE, SMALL, in_common, not_far_weaker, share_of
 from suspid.decays.predictions import at_rest_from, released_at, releases_before, rests_from
 from suspid.decays.refusals import DRIVEN
-from suspid.decays.rests import STARTS_AFTER_REST, rest_of
+from suspid.decays.rests import STARTS_AFTER_REST, rest_of, stops_at
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import FEWEST_EARLY, FEWEST_STRETCHES, TRIAL_PARTS, unexplained
 
@@ -45,5 +45,6 @@ __all__ = [
     "rest_of",
     "rests_from",
     "share_of",
+    "stops_at",
     "unexplained",
 ]

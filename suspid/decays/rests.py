@@ -102,6 +102,19 @@ def rest_of(values: RealArray, *, most: Ratio = 0.5) -> int:
     return 0
 
 
+def stops_at(values: RealArray, *, most: Ratio) -> int:
+    """Return the sample from which on all channels rest within their noise; the number of samples where they do not.
+
+    Examples
+    --------
+    >>> noise = 0.01 * np.random.default_rng(1).standard_normal(400)
+    >>> stopped = np.cos(0.1 * np.minimum(np.arange(400), 250))
+    >>> abs(stops_at((stopped + noise)[None], most=0.97) - 250) < 20, stops_at(np.cos(np.arange(400))[None], most=0.97)
+    (True, 400)
+    """
+    return int(values.shape[1]) - rest_of(values[:, ::-1], most=most)
+
+
 def as_decay(
     found: Identification, part: Signal, samples: tuple[int, int], *, level: Decibel, doubts: tuple[Remark, ...] = ()
 ) -> Decay:

@@ -193,10 +193,9 @@ class ModeCheck(Code):
     )
     MIDDLE = (
         "middle",
-        "Beside the swings, something fades without swinging about as fast: the middle of the swings moves so with a "
-        "damper, spring or sensor that is not linear, and any motion does in a sensor that is coupled to alternating "
-        "current. In the first case the values are those of the nearest linear decay, and the intervals do not contain "
-        "the effect.",
+        "Beside the swings something fades, about as fast, without swinging. An AC-coupled sensor makes that of any "
+        "motion; a damper, spring or sensor that is not linear moves the middle of the swings so: then the values are "
+        "those of the nearest linear decay, and the intervals do not contain the effect of the nonlinearity.",
     )
     ONE_SHAPE = (
         "one shape",

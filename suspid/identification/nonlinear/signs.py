@@ -62,7 +62,7 @@ def distorted(selection: Selection) -> bool:
 def straight(selection: Selection) -> bool:
     """Return whether a linear fit leaves only noise, and its pairs are no parts or multiples: nothing rubs.
 
-    Friction stops what moves, which only many poles follow; a sensor that is not coupled to a mean adds a real one.
+    Friction stops what moves, which only many poles follow; an AC-coupled sensor adds a real one.
     """
     split = any(remark.code is Reason.SPLIT for _, remark in selection.rejected)
     modes = selection.modes

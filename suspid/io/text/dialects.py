@@ -138,8 +138,11 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
     # Blanks and tabs read what tabs alone read, and a few lines of a header besides.
     tabs = max((trial.score for trial in trials if trial.dialect.delimiter == "\t"), default=0.0)
     # Share of the lines that are read with blanks as well: if tabs read as many, tabs separate the cells.
-    marked = tabs > 0 and _has_marked_thousands(sample)
-    trials = [t for t in trials if t.dialect.delimiter != " " or not (marked or tabs >= 0.8 * t.score)]
+    trials = [
+        t
+        for t in trials
+        if t.dialect.delimiter != " " or (tabs < 0.8 * t.score and not (tabs and _has_marked_thousands(sample)))
+    ]
     best = max(trial.score for trial in trials)
     ties = [trial for trial in trials if trial.score > best - 1e-9]
     chosen = max(ties, key=lambda trial: trial.rank)
