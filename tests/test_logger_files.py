@@ -62,11 +62,6 @@ class TestText:
         with pytest.raises(RecordError, match="without a mark between the thousands"):
             read_recording(written(tmp_path / "r.csv", rows, "time (s)\tseat (µm)"))
 
-    def test_a_second_recording_below_the_first_is_said(self, tmp_path: Path) -> None:
-        rows = [f"{t:.3f},{y:.5f}" for t, y in zip(TIME, SWING, strict=True)]
-        with pytest.raises(RecordError, match="again on line 1003: the file holds several recordings"):
-            read_recording(written(tmp_path / "r.csv", [*rows, "Run 2", "time,seat", *rows]))
-
 
 def test_a_stamp_at_midnight_is_kept(tmp_path: Path) -> None:
     openpyxl = pytest.importorskip("openpyxl")

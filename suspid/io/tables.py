@@ -49,6 +49,8 @@ class Table:
     # Time bases by column; columns that share one have the same object. Without one, time is the column named like a
     # time, or follows from the rate.
     clocks: Mapping[str, TimeBase] = field(default_factory=dict)
+    # Tables one below the other in place of columns: tests of their own, or pages of one.
+    parts: Sequence[Table] = ()
     # Whether groups of channels may be tests of their own; not where everything in a file was sampled at once.
     apart: bool = True
     # Title that the file states; if empty, the name of the file is used.

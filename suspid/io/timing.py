@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from decimal import Decimal
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from suspid.io.names import (
 from suspid.io.newest_first import in_order, oldest_first
 from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
 from suspid.io.own_rows import with_own_rows
+from suspid.io.parts import recording_of_parts
 from suspid.io.runs import runs_by_clock, runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase, all_at_once
@@ -62,6 +64,16 @@ def as_recording(
     """
     check_rate(fs)
     _check_names(channels, time)
+    if table.parts:
+        read = partial(_recording, time=time, fs=fs, title=title, size=size)
+        return recording_of_parts(table, channels, time, read)
+    return _recording(table, channels, time=time, fs=fs, title=title, size=size)
+
+
+def _recording(
+    table: Table, channels: Sequence[str] | None, *, time: str | None, fs: Hertz | None, title: str, size: int | None
+) -> Recording:
+    """Return the channels of a table without parts."""
     table = metered(table if channels else all_at_once(table), size)
     plan = plan_of(table, channels, time, fs)
     followers = plan.followers

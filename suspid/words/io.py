@@ -6,12 +6,18 @@ from collections.abc import Mapping
 from typing import cast
 
 from suspid.wording import Argument
-from suspid.words.remarks import Code, Number, sentence
+from suspid.words.remarks import Code, Number, count, sentence
 
 
 def _blank(numbers: Mapping[str, Number]) -> str:
     more = numbers["more"]
     return f"is empty, and {more} more" if more else "is empty"
+
+
+def _names_again(numbers: Mapping[str, Number]) -> str:
+    more = numbers["more"]
+    others = f", the first of {count(cast(int, more) + 1, 'line')}" if more else ""
+    return f"has the names of the columns again{others}"
 
 
 def rates_of_units(numbers: Mapping[str, Number]) -> str:
@@ -197,6 +203,8 @@ class LeftOut(Code):
     HEADINGS = "headings", "are above the data, {lines} of them neither names nor units: {line} …"
     COMMENT = "comment", "is a comment: {line}"
     BLANK = "blank", _blank
+    NAMES_AGAIN = "names_again", _names_again
+    NO_ROWS = "no_rows", "has names of columns, and no row below them"
     CUT_SHORT = "cut_short", "is cut short: it has {cells} of {width} cells"
     CUT_CELL = "cut_cell", "is cut short within its last number: {cell!r}"
     CUT_NUMBER = (

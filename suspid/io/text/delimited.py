@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from suspid.io.text.log_stamps import with_point_stamps
 from suspid.io.text.named_cells import with_names_above
 from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
+from suspid.io.text.sections import has_rows, sections_of, title_above
 from suspid.io.text.step_columns import step_clock
 from suspid.io.text.stray_blanks import with_tabs
 from suspid.io.text.thousands import refuse_thousands
@@ -74,6 +76,16 @@ def table_of_text(content: bytes) -> Table:
     text = with_names_above(unnamed, within=HEAD_BYTES)
     inserted = int(text is not unnamed)
     del unnamed
+    table = _table(text, inserted, ends_within=ends_within and not whole)
+    return replace(table, unusable={**left_out, **table.unusable})
+
+
+def _table(text: bytes, inserted: int, *, ends_within: bool, whole: bool = True) -> Table:
+    """Return the table of a text in UTF-8, whose lines each have an end.
+
+    Lines were ``inserted`` above its rows; of a part of a file, minus the number of lines before it. Only a ``whole``
+    text has sections.
+    """
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
@@ -81,18 +93,21 @@ def table_of_text(content: bytes) -> Table:
         middle = text[len(text) // 2 : len(text) // 2 + HEAD_BYTES // 4].split(b"\n", 300)[1:-1]
     top, within = _texts(head), _texts(middle)
     try:
-        layout = find_layout(top, list(filter(str.strip, (*top, *within))))
+        layout = find_layout(top, list(filter(str.strip, (*top, *within))), before=-inserted)
     except RecordError:
         _refuse_frames(top)
         _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1 - inserted)
         raise
     refuse_thousands([*top[layout.first :], *within], layout.names, layout.dialect)
     start = sum(len(line) + 1 for line in head[: layout.first])
+    sections = sections_of(text, top, layout) if whole else []
+    if sections:
+        return _of_sections(text, sections, layout, inserted, ends_within=ends_within)
     layout = with_late_column(layout, text, start)
-    rows, odd = find_rows(text, start, layout, is_open=ends_within and not whole, inserted=inserted)
+    rows, odd = find_rows(text, start, layout, is_open=ends_within, inserted=inserted)
     del text
     counter = _counter(layout, top)
-    left_out |= {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}
+    left_out = {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}
     _refuse_long(rows, layout)
     blank = _blank(rows)
     left_out |= dict.fromkeys(blank, Remark(LeftOut.NO_NUMBERS))
@@ -113,6 +128,26 @@ def table_of_text(content: bytes) -> Table:
         units=layout.units,
         clocks={} if clock is None else dict.fromkeys(numeric, clock),
     )
+
+
+def _of_sections(
+    text: bytes, sections: Sequence[tuple[int, int]], layout: Layout, inserted: int, *, ends_within: bool
+) -> Table:
+    """Return the table of a text whose sections begin where they do (see `sections_of`), with a table of each."""
+    parts, lines, again, said = list[Table](), -inserted, list[int](), dict[str, Remark]()
+    for (start, names), (stop, _) in itertools.pairwise([*sections, (len(text), 0)]):
+        line = lines + text.count(b"\n", start, names) + 1
+        again.append(line)
+        if has_rows(text[names:stop], layout):
+            part = _table(text[start:stop], -lines, ends_within=ends_within and stop == len(text), whole=False)
+            parts.append(replace(part, title=title_above(text, names, layout)))
+        else:
+            said[f"line {line}"] = Remark(LeftOut.NO_ROWS)
+        lines += text.count(b"\n", start, stop)
+    said = {f"line {again[1]}": Remark(LeftOut.NAMES_AGAIN, {"more": len(again) - 2}), **said}
+    if len(parts) == 1:
+        return replace(parts[0], unusable={**parts[0].unusable, **said})
+    return Table(sizes={}, columns=lambda _: [], parts=tuple(parts), unusable=said)
 
 
 def _texts(lines: Sequence[bytes]) -> list[str]:

@@ -48,8 +48,11 @@ class Layout:
     left_out: Mapping[str, Remark]
 
 
-def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
-    """Return the layout of a file from its first lines and a sample of lines from all over it."""
+def find_layout(head: Sequence[str], sample: Sequence[str], *, before: int = 0) -> Layout:
+    """Return the layout of a file from its first lines and a sample of lines from all over it.
+
+    Of a part of a file, lines stand ``before`` the first ones.
+    """
     columns = _columns(head, sample)
     first = next((k for k, line in enumerate(head) if columns.are_data(line)), None)
     if first is None:
@@ -60,7 +63,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     above, beside, start = stated_beside(head[:first], columns)
     above, of_labels = without_labels(above, columns)
     names_at, units_at = _header(above, columns)
-    others = {k + 1: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
+    others = {k + 1 + before: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
     names, renamed = _names(columns, "" if names_at is None else above[names_at])
     units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
     if units_at is not None:

@@ -139,7 +139,7 @@ def find_rows(
         for k in suspects:
             if not lines[k].strip():
                 blank.append(line + k)
-            elif not _is_row(lines[k], layout):
+            elif not is_row(lines[k], layout):
                 odd[line + k] = lines[k]
         if whole is not None and len(blank) + len(odd) == known:
             read[line] = whole
@@ -159,7 +159,7 @@ def find_rows(
         raise RecordError(
             f"the rows end at line {last}, but {line - 1 - last} lines follow: {shortened(odd[below[0]])}"
         )
-    again = next((n for n, row in odd.items() if n < last and _names_again(row, layout)), None)
+    again = next((n for n, row in odd.items() if n < last and names_again(row, layout)), None)
     if again is not None:
         raise RecordError(
             f"the names of the columns stand again on line {again}: the file holds several recordings, one below the "
@@ -177,11 +177,11 @@ def find_rows(
     return Rows(text=text, start=start, first=first, layout=layout, skipped=skipped, size=size, read=read), said
 
 
-def _names_again(text: str, layout: Layout) -> bool:
-    """Return whether a line has the names of the columns, perhaps with their units."""
+def names_again(text: str, layout: Layout) -> bool:
+    """Return whether a line has the names of the columns, perhaps with their units, and perhaps those of blank ones."""
     cells, names = layout.dialect.cells(text), layout.names
-    return len(cells) == len(names) and all(
-        cell.startswith(name) for cell, name in zip(cells, names, strict=True) if name
+    return len(cells) >= len(names) and all(
+        cell.startswith(name) for cell, name in zip(cells, names, strict=False) if name
     )
 
 
@@ -232,7 +232,8 @@ def _suspects(piece: bytes, layout: Layout) -> list[int]:
     return [int(k) for k in np.flatnonzero(suspect)]
 
 
-def _is_row(text: str, layout: Layout) -> bool:
+def is_row(text: str, layout: Layout) -> bool:
+    """Return whether a line has the cells of a row, with a number among them."""
     if layout.dialect.is_comment(text):
         return False
     cells, width = layout.dialect.cells(text), len(layout.names)
