@@ -186,11 +186,12 @@ def _variable(data: h5py.Dataset, field: str | None) -> Variable:
 
     def read() -> NDArray[Any]:
         values = np.asarray(_sheltered(lambda: data[()] if field is None else data[field]))
-        fills = np.empty(0) if field is not None else _sheltered(lambda: _fills(data))
-        if not fills.size:
+        if field is not None:
             return values
+        fills = _sheltered(lambda: _fills(data))
         masked = np.isin(values, fills)
-        return np.where(masked, np.nan, values) if np.any(masked) else values
+        values = np.where(masked, np.nan, values) if np.any(masked) else values
+        return _unpacked(values, data)
 
     return Variable(shape=tuple(data.shape), read=read, unit=unit, rates=rates)
 
@@ -199,6 +200,15 @@ def _fills(data: h5py.Dataset) -> NDArray[Any]:
     """Return the numbers that stand for masked samples, as netCDF states them."""
     stated = [np.ravel(data.attrs[name]) for name in ("_FillValue", "missing_value") if name in data.attrs]
     return np.concatenate([np.empty(0), *(fill for fill in stated if fill.dtype.kind in "iuf")])
+
+
+def _unpacked(values: NDArray[Any], data: h5py.Dataset) -> NDArray[Any]:
+    """Return packed numbers times their scale and plus their offset, as netCDF states them; others as they are."""
+    stated = [np.ravel(data.attrs.get(name, usual)) for name, usual in (("scale_factor", 1.0), ("add_offset", 0.0))]
+    if any(one.size != 1 or one.dtype.kind not in "iuf" or not np.isfinite(one[0]) for one in stated):
+        raise RecordError(f"is damaged: {printable(data.name)!r} has a scale_factor or add_offset that is no number")
+    scale, offset = (float(one[0]) for one in stated)
+    return values if (scale, offset) == (1.0, 0.0) else values * scale + offset
 
 
 def _numbers(thing: h5py.Group | h5py.Dataset) -> dict[str, float]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.io.column_plan import NO_TIME
+from suspid.io.restarts import of_test
 from suspid.io.tables import Table
 from suspid.io.time_columns import time_names
 from suspid.recordings import RawChannel, Recording
@@ -50,11 +51,7 @@ def recording_of_parts(
             "the names of the columns stand again, and no time tells whether the file holds several recordings, one "
             "below the other: save each in a file of its own"
         )
-    tests = tuple(
-        replace(channel, name=prefix + channel.name, test=prefix.removesuffix(": "))
-        for prefix, each in found
-        for channel in each.channels
-    )
+    tests = tuple(of_test(channel, prefix.removesuffix(": ")) for prefix, each in found for channel in each.channels)
     left_out = _together([said, *(each.left_out for each in recordings)])
     return replace(recordings[0], channels=tests, left_out=left_out)
 

@@ -146,14 +146,15 @@ def _entry(channel: Any, most: int) -> _Entry:
         reason = Remark(LeftOut.TEXT) if kind.kind == "O" else Remark(LeftOut.TYPE, {"type": str(kind)})
     step, offset = properties.get("wf_increment"), properties.get("wf_start_offset", 0.0)
     began = properties.get("wf_start_time")
+    per = PER_SECOND.get(str(properties.get("wf_xunit_string", "")).strip().lower(), 1.0)
     return _Entry(
         group=printable(channel.group_name),
         channel=printable(channel.name),
         size=size,
         reason=reason,
         unit=next((printable(str(properties[key]).strip()) for key in UNIT_PROPERTIES if key in properties), ""),
-        offset=float(offset) if _is_number(offset) else 0.0,
-        step=float(step) if _is_number(step) and step > 0 else None,
+        offset=offset / per if _is_number(offset) else 0.0,
+        step=step / per if _is_number(step) and step > 0 else None,
         began=(int(began.seconds), int(began.second_fractions)) if hasattr(began, "second_fractions") else None,
         is_stamp=is_stamp,
     )

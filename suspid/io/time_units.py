@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from typing import cast
 
@@ -9,17 +10,22 @@ import numpy as np
 
 from suspid.errors import RecordError, RecordWarning
 from suspid.io.clock_digits import seconds_of_digits
-from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
+from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, bracketed_unit, is_time, is_time_in_unknown_unit, split_unit
 from suspid.io.tables import Table
 from suspid.stamps import continued
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
 from suspid.words import LeftOut, Remark, rates_of_units
 
+# Units of quantities that are no time.
+UNIT_OF_ELSE = re.compile(r"(?:[kcmµμu]?m|in|ft|deg|°|rad|V|mV|A|N|kN|m/s\^?2?|m/s²|g|km/h|rpm|1/min)")
 # Fewer stamps show neither their unit nor that they are a clock's.
 FEW_STAMPS = 8
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
+# Sizes of ticks of 100 ns, of the years 1980 to 2080, since the years 1601 and 1: as ns since 1970 they would be of 1973,
+# 1974 or about 1990, before any logger wrote ns.
+TICKS = ((1.195e17, 1.515e17), (6.24e17, 6.57e17))
 # Usual step from which on stamps without a unit are in the next finer one [s]: as seconds, Nyquist's limit would be
 # 1 Hz, below the modes of any suspension on its road wheels.
 SLOWEST_STEP = 0.5
@@ -38,9 +44,9 @@ NEAR_RATE = 0.1
 ROUNDED_BELOW = 10.0
 # Calls from the line that has a table to the column of its time: a warning shows that line.
 CALLS_TO_HERE = 7
-# Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
-# steps below the largest would be sampled faster than 5 kHz, hours after the start.
-DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
+# Days since 1900 of the years 1982 to 2091 as spreadsheets count them, since the year 0 as MATLAB does, and Julian days.
+# In seconds, steps below the largest would be sampled faster than 5 kHz, hours after the start.
+DAYS, DAY_STEP = ((30_000.0, 70_000.0), (724_000.0, 754_000.0), (2_444_000.0, 2_484_000.0)), 2e-4
 
 
 def time_unit(table: Table, time: str) -> str:
@@ -54,6 +60,9 @@ def time_unit(table: Table, time: str) -> str:
 def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
     """Return the numbers of a column of time in seconds."""
     unit = time_unit(table, time)
+    stated = table.units.get(time, "").strip() or bracketed_unit(time)
+    if not unit and UNIT_OF_ELSE.fullmatch(stated):
+        raise RecordError(f"{time!r} is in {stated!r}, which is no unit of time; known: {KNOWN_UNITS}")
     of_digits = None if unit else seconds_of_digits(stamps)
     if of_digits is not None:
         return of_digits
@@ -101,7 +110,7 @@ def unknown_unit(time: str) -> str:
 
 
 def epoch_unit(stamps: RealArray) -> str:
-    """Return the unit of stamps without one: s, unless that would be a year beyond 4000, or a date in days.
+    """Return the unit of stamps without one: s, unless that would be a year beyond 4000, or a date in days or ticks.
 
     The median is compared, so that single wrong stamps do not count.
     """
@@ -109,6 +118,8 @@ def epoch_unit(stamps: RealArray) -> str:
     size = float(np.median(sizes)) if sizes.size else 0.0
     if any(low < size < high for low, high in DAYS) and np.ptp(sizes) < DAY_STEP * (sizes.size - 1):
         return "days"
+    if any(low < size < high for low, high in TICKS):
+        return "100ns"
     return next((name for name, least in EPOCHS if size > least), "s")
 
 
@@ -150,7 +161,7 @@ def unit_remark(stamps: RealArray) -> Remark | None:
         return Remark(LeftOut.OF_DIGITS)
     unit = epoch_unit(stamps)
     if unit != "s":
-        return Remark(LeftOut.DAYS if unit == "days" else LeftOut.EPOCH, {"unit": unit})
+        return Remark({"days": LeftOut.DAYS, "100ns": LeftOut.TICKS}.get(unit, LeftOut.EPOCH), {"unit": unit})
     known = continued(stamps[np.isfinite(stamps)])[0]
     with np.errstate(over="ignore"):
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0

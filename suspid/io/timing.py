@@ -23,6 +23,7 @@ from suspid.io.newest_first import in_order, oldest_first
 from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
 from suspid.io.own_rows import with_own_rows
 from suspid.io.parts import recording_of_parts
+from suspid.io.restarts import with_restarts, with_rolled_on
 from suspid.io.runs import runs_by_clock, runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase, all_at_once
@@ -84,6 +85,8 @@ def _recording(
         plan, times = _without_counter(plan, times[0]), []
     columns, turned = oldest_first(columns, times[0], followers) if times else (columns, {})
     left_out = {**table.unusable, **plan.left_out, **turned}
+    columns, rolled = with_rolled_on(columns, times)
+    left_out |= rolled
     counters = [] if channels else counters_of(plan, columns)
     norms = {} if channels else {**magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
     norms |= {} if channels else single_numbers(plan, columns)
@@ -134,6 +137,8 @@ def _recording(
     if table.apart:
         tests = runs_of({channel.name: id(channel.timepts) for channel in kept}) or runs_by_clock(kept)
         kept = tuple(replace(channel, test=tests.get(channel.name, "")) for channel in kept)
+        kept, apart = (kept, {}) if tests else with_restarts(kept, [*times, *(c.name for c in plan.clocks.values())])
+        left_out |= apart
     return Recording(title=table.title or title, channels=kept, left_out=tuple(left_out.items()))
 
 

@@ -369,6 +369,15 @@ class RecordCheck(Code):
             )
         ),
     )
+    ODD_UNIT = (
+        "odd unit",
+        sentence(
+            lambda n: (
+                f"The {n['name']} makes the record {n['length']:.2g} s long: no logger of a suspension is so fast. If it "
+                f"is another, all frequencies are wrong by the same factor. Give {Argument('fs')} if it is."
+            )
+        ),
+    )
     SLOW_SAMPLES = (
         "slow samples",
         sentence(

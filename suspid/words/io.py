@@ -20,6 +20,21 @@ def _names_again(numbers: Mapping[str, Number]) -> str:
     return f"has the names of the columns again{others}"
 
 
+def _anew(numbers: Mapping[str, Number]) -> str:
+    return f"begins anew after row {numbers['row']}{_of_tests(numbers)}"
+
+
+def _breaks(numbers: Mapping[str, Number]) -> str:
+    return f"has a long break after row {numbers['row']}{_of_tests(numbers)}"
+
+
+def _of_tests(numbers: Mapping[str, Number]) -> str:
+    more = numbers["more"]
+    if not more:
+        return ": what follows is a test of its own"
+    return f", the first of {cast(int, more) + 1}: what follows each is a test of its own"
+
+
 def rates_of_units(numbers: Mapping[str, Number]) -> str:
     """Return the rates to give for a unit of time that is guessed, and for the others that it may be.
 
@@ -155,6 +170,7 @@ class LeftOut(Code):
     LENGTH = "length", "has {samples} samples, the others have {others}"
     IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of this size are {unit} since 1970"
+    TICKS = "ticks", "is not stated; stamps of this size are ticks of 100 ns, as Windows counts them"
     DAYS = "days", "is not stated; numbers of this size are dates in {unit}"
     OF_DIGITS = "of_digits", "is not stated; its numbers are hours, minutes and seconds, such as 235959.5"
     FINER_UNIT = (
@@ -195,6 +211,9 @@ class LeftOut(Code):
         ),
     )
     MAGNITUDE = "magnitude", _magnitude
+    ANEW = "anew", _anew
+    BREAKS = "breaks", _breaks
+    ROLLS_OVER = "rolls_over", "rolls over at {period:.10g}: it is counted on from there"
     ROW_COUNTER = "row_counter", "counts the rows"
     AXIS = "axis", "rises in even steps and ends before the record does: an axis of its own"
     OVER_AXIS = "over_axis", "ends with {axis!r}, which is no time"

@@ -54,13 +54,15 @@ def find_layout(head: Sequence[str], sample: Sequence[str], *, before: int = 0) 
     Of a part of a file, lines stand ``before`` the first ones.
     """
     columns = _columns(head, sample)
-    first = next((k for k, line in enumerate(head) if columns.are_data(line)), None)
+    counts = {k for k, line in enumerate(head) if columns.are_data(line) and _counts(head, k, columns)}
+    first = next((k for k, line in enumerate(head) if k not in counts and columns.are_data(line)), None)
     if first is None:
         raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
     columns = replace(columns, row=head[first])
     while first and columns.are_missing(head[first - 1]):
         first -= 1
     above, beside, start = stated_beside(head[:first], columns)
+    above = ["" if k in counts else line for k, line in enumerate(above)]
     above, of_labels = without_labels(above, columns)
     names_at, units_at = _header(above, columns)
     others = {k + 1 + before: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
@@ -93,6 +95,17 @@ def find_layout(head: Sequence[str], sample: Sequence[str], *, before: int = 0) 
         start=start,
         left_out={**_listed(others), **renamed},
     )
+
+
+def _counts(head: Sequence[str], at: int, columns: Columns) -> bool:
+    """Return whether a line above the rows numbers the columns from 1, or has the same number of each behind a word.
+
+    Behind numbers of columns a blank line follows. Of each is said how many samples it has, or their step.
+    """
+    cells = columns.dialect.cells(head[at])
+    numbered = cells == [str(k + 1) for k in range(len(cells))] and len(cells) > 1
+    word = kind_of(cells[0], comma=columns.dialect.comma) == "text"
+    return (numbered and not "".join(head[at + 1 : at + 2]).strip()) or (word and len({*cells[1:]}) == 1 < len(cells[1:]))
 
 
 def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:

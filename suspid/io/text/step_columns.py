@@ -58,4 +58,7 @@ def _are_steps(steps: RealArray, *, constant: bool) -> bool:
     """Whether numbers are the steps of a clock: positive, whole, and most of them alike."""
     if not np.all(np.isfinite(steps)) or not np.all(steps > 0) or not np.all(steps == np.round(steps)):
         return False
+    # Numbers that rise from row to row are stamps.
+    if np.all(np.diff(steps) > 0):
+        return False
     return are_even(steps) and (constant or bool(np.ptp(steps) > 0))
