@@ -20,7 +20,7 @@ from suspid.io.names import (
     unit_in_name,
 )
 from suspid.io.newest_first import in_order, oldest_first
-from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers
+from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers, temperatures
 from suspid.io.own_rows import with_own_rows
 from suspid.io.parts import recording_of_parts
 from suspid.io.restarts import with_restarts, with_rolled_on
@@ -89,7 +89,7 @@ def _recording(
     left_out |= rolled
     counters = [] if channels else counters_of(plan, columns)
     norms = {} if channels else {**magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
-    norms |= {} if channels else single_numbers(plan, columns)
+    norms |= {} if channels else {**single_numbers(plan, columns), **temperatures(plan, table.units)}
     left_out |= {**dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER)), **norms}
     for name, other in table.rates.items():
         if fs is not None and not abs(fs - other) <= SEVEN_DIGITS * other:

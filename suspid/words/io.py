@@ -211,6 +211,7 @@ class LeftOut(Code):
         ),
     )
     MAGNITUDE = "magnitude", _magnitude
+    TEMPERATURE = "temperature", "is a temperature, not a motion"
     ANEW = "anew", _anew
     BREAKS = "breaks", _breaks
     ROLLS_OVER = "rolls_over", "rolls over at {period:.10g}: it is counted on from there"

@@ -65,6 +65,8 @@ def measured_turns(motion: RealArray, times: RealArray, reach: int) -> RealArray
     times = times[(times > -0.5) & (times < len(motion) - 0.5)]
     if len(times) < 3:
         return times
+    # Of a pole that hardly turns, a share of a cycle is longer than any record.
+    reach = min(reach, len(motion))
     rises = _risen(motion, reach)
     at, between = (
         np.abs(rises[np.clip(np.round(each).astype(int), 0, len(motion) - 1)])
