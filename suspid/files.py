@@ -40,8 +40,15 @@ def naming(source: str | os.PathLike[str]) -> Iterator[None]:
 def check_exists(path: Path, *, error: type[InputError] = InputError) -> None:
     """Raise ``error`` with the nearest name if there is nothing at a path."""
     # Of a name that no file can have `Path.exists` says that it is too long.
+    if os.path.lexists(path) and not os.path.exists(path):
+        raise error("there is no such file: it is a link to nothing, or to itself")
     if not os.path.exists(path):
         raise error(f"there is no such file{_beside(path)}")
+
+
+def real_path(path: Path) -> Path:
+    """Return the path behind links; `Path.resolve` raises where they lead in a circle."""
+    return Path(os.path.realpath(path))
 
 
 def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
@@ -112,7 +119,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target, name = Path(path), printable(str(path))
     try:
         # What is behind a link to a pipe, as /dev/stdout is, has no path.
-        target = target if _is_stream(target) else target.resolve()
+        target = target if _is_stream(target) else real_path(target)
         with naming(path):
             if target.is_dir():
                 raise InputError("is a folder; give the name of a file to write")
@@ -161,4 +168,4 @@ def _beside(path: Path) -> str:
         return "; check the path"
     near = difflib.get_close_matches(path.name, names, n=2)
     known = " or ".join(repr(printable(name)) for name in near)
-    return f". Did you mean {known}?" if near else f" in {printable(str(folder.resolve()))}; check the path"
+    return f". Did you mean {known}?" if near else f" in {printable(str(real_path(folder)))}; check the path"

@@ -46,8 +46,13 @@ def samples_of(
     if is_response(data):
         return _of_response(data)
     package = type(data).__module__.partition(".")[0]
-    if package == "pandas":
+    if package == "pandas" and hasattr(data, "index"):
         return _of_pandas(data)
+    if package == "pandas":
+        try:
+            data = data.to_numpy(float, na_value=np.nan)
+        except (TypeError, ValueError):
+            raise RecordError(f"an array of pandas of type {data.dtype} has no numbers; convert it") from None
     if package in ("polars", "pyarrow") and hasattr(data, "to_pandas"):
         return samples_of(_in_pandas(data, package), samples, own_units=own_units)
     if package == "xarray":

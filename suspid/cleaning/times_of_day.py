@@ -28,7 +28,7 @@ def elapsed(stamps: Any) -> RealArray | None:
         texts = kind in "OUT"
         return clock_seconds(["" if _is_missing(one) else str(one) for one in stamps]) if texts else None
     if kind == "m" and np.datetime_data(stamps.dtype)[0] == "generic":
-        raise RecordError("the durations have no unit; give them one, as in times.astype('timedelta64[ms]'), or seconds")
+        raise RecordError("durations have no unit; give them one, as in times.astype('timedelta64[ms]')")
     # Whole nanoseconds: a date of our age in seconds has no more than 2e-7 s as a float.
     whole = "datetime64[ns]" if kind == "M" else "timedelta64[ns]"
     bare = isinstance(stamps, np.ndarray) or hasattr(stamps, "dims")

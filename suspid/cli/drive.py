@@ -17,7 +17,7 @@ from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import BEHIND, ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, led_by, wanting, writing
 from suspid.cli.quantities import Positive
 from suspid.cli.streams import CAR, FILE, FOUND, RECORD
-from suspid.files import printable, replacing
+from suspid.files import printable, real_path, replacing
 from suspid.greybox import DriveLimits, Drives
 
 DEFAULTS = DriveLimits()
@@ -106,7 +106,7 @@ def drive_command(
     from suspid.model import car_to_toml, read_car
     from suspid.reporting import content_of, drive_to_dict, plot_drive, read_curves, read_estimate, report
 
-    if len({path.resolve() for path in files}) < len(files):
+    if len({real_path(path) for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: name each once.")
     if wanted.added:
         raise click.UsageError("--added is for tests; state the masses of the loaded car in CAR.")

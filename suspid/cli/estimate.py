@@ -17,7 +17,7 @@ from suspid.cli.options import packed, progress, reading
 from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import BEHIND, ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, led_by, wanting, writing
 from suspid.cli.streams import CAR, FILE, RECORD
-from suspid.files import replacing
+from suspid.files import real_path, replacing
 
 
 def road_of(road: str | None, speed: str | None, wheel_radius: float | None, behind: tuple[str, ...]) -> dict[str, Any]:
@@ -86,7 +86,7 @@ def estimate_command(
     from suspid.model import car_to_toml, read_car
     from suspid.reporting import content_of, estimate_to_dict, plot_estimate, report
 
-    if len({path.resolve() for path in files}) < len(files):
+    if len({real_path(path) for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: name each once.")
     check_apart([*files, car, *filter(None, (limits,))], [plot, page, outputs.output, outputs.json_file])
     asked = () if limits is None else read_limits(limits)

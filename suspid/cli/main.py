@@ -29,7 +29,7 @@ from suspid.cli.simulate import simulate_command
 from suspid.cli.streams import CAR, FOUND, JSON_FILE
 from suspid.cli.tune import tune_command
 from suspid.errors import InputError
-from suspid.files import printable
+from suspid.files import printable, real_path
 from suspid.words.ride import dampers_of_equal_work
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def reconstruct_command(
         raise click.UsageError(
             f"MODES come first and CAR last: suspid reconstruct {shown(str(car))} {shown(str(modes[0]))}"
         )
-    if len({path.resolve() for path in modes}) < len(modes):
+    if len({real_path(path) for path in modes}) < len(modes):
         raise click.UsageError("One of the MODES is named twice: name each once.")
     check_apart([*modes, car], [outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(modes), wanted.unknowns()

@@ -15,7 +15,7 @@ from typing import IO, Any
 
 import click
 
-from suspid.files import printable
+from suspid.files import printable, real_path
 
 # How systems say that nothing more can be written.
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -58,12 +58,12 @@ def shown(text: str) -> str:
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
     """Refuse an output that is also an input or another output: nothing that is read is ever overwritten."""
-    taken = [path.resolve() for path in inputs]
+    taken = [real_path(path) for path in inputs]
     for path in outputs:
         if path is not None:
-            if path.resolve() in taken:
+            if real_path(path) in taken:
                 raise click.UsageError(f"{printable(str(path))} is named twice: as an output and for something else.")
-            taken.append(path.resolve())
+            taken.append(real_path(path))
 
 
 def say(text: str) -> None:

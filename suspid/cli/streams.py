@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from suspid.cli.output import STANDARD_INPUT, STANDARD_OUTPUT, STANDS_FOR, WRITTEN_OUT, Failed
+from suspid.cli.output import STANDARD_INPUT, STANDARD_OUTPUT, STANDS_FOR, WRITTEN_OUT, Failed, said_when_full
 
 # First bytes of the kinds of binary files that a pipe may carry; everything else is text.
 KINDS = {
@@ -81,6 +81,13 @@ class Input(click.Path):
         return path
 
 
+def _put_out(path: Path) -> None:
+    """Write a file to the standard output, if there is one."""
+    if path.exists():
+        with said_when_full():
+            click.echo(path.read_bytes(), nl=False)
+
+
 class Output(click.Path):
     """A file that is written; ``-`` is the standard output, the text of the result then goes to the standard error."""
 
@@ -97,7 +104,7 @@ class Output(click.Path):
             self.fail("- is the standard output, which is written once: name a file.", param, ctx)
         path = _kept(ctx, STANDARD_OUTPUT, self.suffix)
         ctx.meta[WRITTEN_OUT] = path
-        ctx.find_root().call_on_close(lambda: click.echo(path.read_bytes(), nl=False) if path.exists() else None)
+        ctx.find_root().call_on_close(lambda: _put_out(path))
         return path
 
 

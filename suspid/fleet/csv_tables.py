@@ -12,6 +12,8 @@ from suspid.fleet.manifest import read_manifest, require_fleet
 from suspid.fleet.parts import part_numbers, part_path
 from suspid.fleet.tables import layout_of
 
+# What text of a formula begins with in a spreadsheet; a quote before it makes it text again.
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
 # Between the values of a cell that holds several.
 SEPARATOR = ";"
 
@@ -20,7 +22,8 @@ def write_csv(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
     """Write each table of results as one CSV file next to the Parquet parts, and return the files.
 
     The columns are those of the tables, numbers with all their digits. A cell with several values has a semicolon
-    between them; a value that there is not is an empty cell. Parts are read one by one, so memory does not grow.
+    between them, text that a spreadsheet would take for a formula a quote before it; a value that there is not is an
+    empty cell. Parts are read one by one, so memory does not grow.
 
     Raises
     ------
@@ -62,11 +65,13 @@ def _cell(value: object) -> str:
 
     Examples
     --------
-    >>> _cell(0.1), _cell(None), _cell(True), _cell(["a", "b"])
-    ('0.1', '', 'true', 'a;b')
+    >>> _cell(0.1), _cell(None), _cell(True), _cell(["a", "b"]), _cell("=1+1.csv")
+    ('0.1', '', 'true', 'a;b', "'=1+1.csv")
     """
     if isinstance(value, list):
         return SEPARATOR.join(map(_cell, value))
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
+    if isinstance(value, str) and value[:1] in FORMULA:
+        return f"'{value}"
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -147,6 +147,11 @@ def not_empty(source: Listing, folder: Path) -> Listing:
     raise refusal.about(printable(where))
 
 
+def is_of(folder: Path, number: int, chunk: Sequence[Entry], layout: Layout) -> bool:
+    """Return whether a part has rows of no other records than those of its chunk, as a copy of another part would."""
+    return {name for name, _ in part_names(folder, number, layout)} <= {entry.name for entry in chunk}
+
+
 def check_part(folder: Path, number: int, chunk: Sequence[Entry], layout: Layout, *, listed: bool) -> None:
     """Refuse to go on with a stream whose records are not those that made a part."""
     if listed:

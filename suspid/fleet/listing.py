@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from suspid.errors import InputError, SuspidError
-from suspid.files import printable
+from suspid.files import printable, real_path
 from suspid.fleet.records import Entry, Samples
 from suspid.io import READERS
 from suspid.signals import as_signal
@@ -56,8 +56,8 @@ def listing(records: Records, *, output: Path) -> Listing:
             return Listing(source={"address": text}, entries=_remote(text, left_out), listed=True, left_out=left_out)
         path = Path(text)
         if path.is_dir():
-            root = path.resolve()
-            entries = _walk(root, root, output.resolve(), left_out)
+            root = real_path(path)
+            entries = _walk(root, root, real_path(output), left_out)
             return Listing(source={"folder": str(root)}, entries=entries, listed=True, left_out=left_out)
         if path.exists():
             return Listing(source={"list": [text]}, entries=[_local(text)], listed=True)

@@ -13,7 +13,7 @@ from suspid.analysis import Settings
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.fleet.engine import Engine, finished
-from suspid.fleet.folder import begun, check_end, check_part, not_empty, own, taken, write_manifest
+from suspid.fleet.folder import begun, check_end, check_part, is_of, not_empty, own, taken, write_manifest
 from suspid.fleet.job import DriveJob, Job
 from suspid.fleet.listing import Records, listing
 from suspid.fleet.manifest import FLEET_FORMAT
@@ -170,7 +170,7 @@ def run(
             for number, some in enumerate(in_chunks(map(placed, entries), chunk)):
                 counts["parts"] = number + 1
                 there = part_counts(folder, number, layout)
-                if there is None:
+                if there is None or (source.listed and not is_of(folder, number, some, layout)):
                     damaged.extend([number] if part_path(folder, layout.main, number).exists() else [])
                     yield number, some
                     continue

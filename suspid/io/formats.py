@@ -124,13 +124,18 @@ def is_guess(path: Path) -> bool:
     return not known and bool(_head(path)) and appearance(path) is None
 
 
+def is_document(path: Path) -> bool:
+    """Return whether a file begins as a document in XML or HTML does."""
+    return XML.match(_head(path).removeprefix(codecs.BOM_UTF8)) is not None
+
+
 def appearance(path: Path) -> str | None:
     """Return what a file that cannot be read looks like, empty if that is not known; None if it may be text."""
     head = _head(path)
     for mark, name in UNREADABLE:
         if head.startswith(mark):
             return name
-    if XML.match(head.removeprefix(codecs.BOM_UTF8)):
+    if is_document(path):
         return "a document of another program, in XML (export its table as CSV there)"
     wide = head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     return None if head and (wide or not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")) else ""

@@ -37,7 +37,8 @@ KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
 TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
-TIME_NAMES |= {"jd", "mjd", "julianday", "juliandate", "datenum", "timed", "timeelapsed", "timesincestart", "uptime"} | (
+TIME_NAMES |= {"jd", "mjd", "julianday", "juliandate", "datenum"}
+TIME_NAMES |= {"timed", "timeelapsed", "timesincestart", "uptime"} | (
     {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
 )
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
@@ -248,8 +249,9 @@ def may_be_time(name: str) -> bool:
     """
     words = _words(name)
     parts = _words(CAMEL.sub(" ", bare_name(name)))
-    # Stamps of time, where the numbers are no steps.
-    return bool((words | parts) & TIME_WORDS) or words == {"ts"} or ("t" in words and bracketed_unit(name) in ("", *PER_SECOND))
+    # Stamps of time are ts, where the numbers are no steps.
+    called_t = words == {"ts"} or ("t" in words and bracketed_unit(name) in ("", *PER_SECOND))
+    return bool((words | parts) & TIME_WORDS) or called_t
 
 
 def is_abscissa(name: str, *, rate_known: bool = False) -> bool:

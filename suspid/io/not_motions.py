@@ -15,7 +15,7 @@ from suspid.units import RealArray, Second
 from suspid.words import LeftOut, Remark
 
 # Units of temperature; K alone may be a count of thousands, and C a charge.
-TEMPERATURES = {"°C", "degC", "deg C", "ºC", "℃", "Celsius", "celsius", "°F", "degF", "deg F", "℉", "Fahrenheit", "kelvin"}
+TEMPERATURES = {"°C", "degC", "deg C", "ºC", "℃", "Celsius", "celsius", "°F", "degF", "deg F", "℉", "Fahrenheit"}
 # Rows in which a column of any name rises by one in each, or repeats the time: in fewer, a motion may.
 MANY_ROWS = 50
 # Share of a step by which what changes evenly with the time is off it at most: stamps are rounded. Any sensor is more.

@@ -10,7 +10,7 @@ from pathlib import Path
 from suspid.arguments import explained
 from suspid.errors import RecordError
 from suspid.files import check_exists, naming
-from suspid.io.formats import PLAIN_TEXT, appearance, format_of, is_guess, marked_format, reader_of
+from suspid.io.formats import PLAIN_TEXT, appearance, format_of, is_document, is_guess, marked_format, reader_of
 from suspid.io.timing import as_recording
 from suspid.recordings import Recording
 from suspid.units import Hertz
@@ -97,8 +97,12 @@ def _hint(path: Path) -> str:
     marked = marked_format(path)
     if marked is not None and format_of(path) is not marked:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
-    if (seen := appearance(path)) and format_of(path) is PLAIN_TEXT:
+    kind, seen = format_of(path), appearance(path)
+    if seen and (kind is PLAIN_TEXT or is_document(path)):
         return f"; it looks like {seen}"
+    # A universal file is text.
+    if seen is None and kind is not PLAIN_TEXT and kind.module != "uff" and path.stat().st_size:
+        return "; it looks like text: name it .csv"
     if not is_guess(path):
         return ""
     return f"; it was read as text, since records of type {path.suffix!r} are not known"

@@ -10,7 +10,15 @@ import numpy as np
 
 from suspid.errors import RecordError, RecordWarning
 from suspid.io.clock_digits import seconds_of_digits
-from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, bracketed_unit, is_time, is_time_in_unknown_unit, split_unit
+from suspid.io.names import (
+    KNOWN_UNITS,
+    PER_SECOND,
+    TIME_NAMES,
+    bracketed_unit,
+    is_time,
+    is_time_in_unknown_unit,
+    split_unit,
+)
 from suspid.io.tables import Table
 from suspid.stamps import continued
 from suspid.units import Hertz, RealArray
@@ -23,9 +31,9 @@ UNIT_OF_ELSE = re.compile(r"(?:[kcmµμu]?m|in|ft|deg|°|rad|V|mV|A|N|kN|m/s\^?2
 FEW_STAMPS = 8
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
-# Sizes of ticks of 100 ns, of the years 1980 to 2080, since the years 1601 and 1: as ns since 1970 they would be of 1973,
-# 1974 or about 1990, before any logger wrote ns.
-TICKS = ((1.195e17, 1.515e17), (6.24e17, 6.57e17))
+# Sizes of ticks of 100 ns, of the years 1980 to 2080, since the years 1601 and 1: as ns since 1970 they would be of the
+# years 1973, 1974 or about 1990, before any logger wrote ns.
+TICKS_SINCE = ((1.195e17, 1.515e17), (6.24e17, 6.57e17))
 # Usual step from which on stamps without a unit are in the next finer one [s]: as seconds, Nyquist's limit would be
 # 1 Hz, below the modes of any suspension on its road wheels.
 SLOWEST_STEP = 0.5
@@ -44,7 +52,7 @@ NEAR_RATE = 0.1
 ROUNDED_BELOW = 10.0
 # Calls from the line that has a table to the column of its time: a warning shows that line.
 CALLS_TO_HERE = 7
-# Days since 1900 of the years 1982 to 2091 as spreadsheets count them, since the year 0 as MATLAB does, and Julian days.
+# Days since 1900 of the years 1982 to 2091 as spreadsheets count them, since the year 0 as MATLAB does, and of Julius.
 # In seconds, steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 70_000.0), (724_000.0, 754_000.0), (2_444_000.0, 2_484_000.0)), 2e-4
 
@@ -118,7 +126,7 @@ def epoch_unit(stamps: RealArray) -> str:
     size = float(np.median(sizes)) if sizes.size else 0.0
     if any(low < size < high for low, high in DAYS) and np.ptp(sizes) < DAY_STEP * (sizes.size - 1):
         return "days"
-    if any(low < size < high for low, high in TICKS):
+    if any(low < size < high for low, high in TICKS_SINCE):
         return "100ns"
     return next((name for name, least in EPOCHS if size > least), "s")
 

@@ -20,7 +20,14 @@ from suspid.io.names import (
     unit_in_name,
 )
 from suspid.io.newest_first import in_order, oldest_first
-from suspid.io.not_motions import counters_of, magnitudes, parts_of_seconds, repeated_times, single_numbers, temperatures
+from suspid.io.not_motions import (
+    counters_of,
+    magnitudes,
+    parts_of_seconds,
+    repeated_times,
+    single_numbers,
+    temperatures,
+)
 from suspid.io.own_rows import with_own_rows
 from suspid.io.parts import recording_of_parts
 from suspid.io.restarts import with_restarts, with_rolled_on

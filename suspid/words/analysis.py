@@ -373,8 +373,8 @@ class RecordCheck(Code):
         "odd unit",
         sentence(
             lambda n: (
-                f"The {n['name']} makes the record {n['length']:.2g} s long: no logger of a suspension is so fast. If it "
-                f"is another, all frequencies are wrong by the same factor. Give {Argument('fs')} if it is."
+                f"The {n['name']} makes the record {n['length']:.2g} s long: no logger of a suspension is so fast. "
+                f"If it is another, all frequencies are wrong by the same factor. Give {Argument('fs')} if it is."
             )
         ),
     )

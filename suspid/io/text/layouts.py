@@ -105,7 +105,8 @@ def _counts(head: Sequence[str], at: int, columns: Columns) -> bool:
     cells = columns.dialect.cells(head[at])
     numbered = cells == [str(k + 1) for k in range(len(cells))] and len(cells) > 1
     word = kind_of(cells[0], comma=columns.dialect.comma) == "text"
-    return (numbered and not "".join(head[at + 1 : at + 2]).strip()) or (word and len({*cells[1:]}) == 1 < len(cells[1:]))
+    alike = word and len({*cells[1:]}) == 1 < len(cells[1:])
+    return alike or (numbered and len(head) > at + 2 and not head[at + 1].strip())
 
 
 def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:

@@ -57,7 +57,7 @@ def refuse_thousands(lines: Sequence[str], names: Sequence[str], dialect: Dialec
         if k in marked and len(seen) >= LEAST_SMALL:
             raise RecordError(
                 f"{names[k]!r} contains {shortened(marked[k])} beside {shortened(min(seen))}: the "
-                f"{'comma' if dialect.comma else 'point'} seems to separate thousands; {WITHOUT_MARKS}, or "
+                f"{'comma' if ',' in marked[k] else 'point'} seems to separate thousands; {WITHOUT_MARKS}, or "
                 f"decimals with all their digits"
             )
 
