@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.identification.classification import fading
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.harmonics import HIGHEST, combination_of, multiple_of
-from suspid.identification.nonlinear import MULTIPLE
+from suspid.identification.nonlinear import at_multiple
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
 from suspid.units import Second
@@ -122,7 +122,7 @@ def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Co
         times = abs(theta.imag) / step / max(modes.poles[mode - 1].imag, 1e-300)
         if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
             remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
-        elif 1 < multiple <= HIGHEST and abs(times / multiple - 1) < MULTIPLE:
+        elif 1 < multiple <= HIGHEST and at_multiple(np.array([times]))[0]:
             remark = Remark(Reason.HARMONIC, {"mode": mode, "multiple": multiple})
         else:
             remark = Remark(Reason.DISTORTION)

@@ -33,7 +33,7 @@ from suspid.identification.mode_checks import (
 )
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
-from suspid.identification.removed_checks import check_dropped, check_growing, check_removed, check_tones
+from suspid.identification.removed_checks import check_dropped, check_growing, check_removed, check_tones, in_hertz
 from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
@@ -60,6 +60,8 @@ STILL_THERE = 0.37
 PLAINLY_SEEN = ((5.0, 0.95), (3.0, 0.999))
 # Nepers by which such a mode falls at least: of one that hardly does, a longer part tells more.
 LEAST_SEEN_DECAY = 0.25
+# What is damped by more beside a motion that is not linear is a part of it as likely as a mode.
+MOST_DAMPED = 0.3
 # A line within this share of a mode or of one of these multiples is what the fit to it leaves, not another motion.
 NEAR_A_MODE, HARMONICS_LEFT = 0.03, 7
 
@@ -98,6 +100,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
         yield check_of(ModeCheck.HARMONICS if swings else ModeCheck.MIDDLE, Level.CARE)
     if any(c.remark.code is Reason.STANDS_STILL for c in found.considered):
         yield check_of(ModeCheck.STANDS_STILL, Level.DOUBTFUL)
+    yield from _outside(found)
     yield from check_halves(found)
     if found.method != "ridge":
         yield from _residual(found)
@@ -265,6 +268,14 @@ def _structure(found: Identification, residual: Signal, finest: RealArray) -> It
     if line is not None and not _left_by_a_mode(found, line):
         dies = dies_away(residual.values[rough], 2 * np.pi * line * residual.step)
         yield check_of(ModeCheck.RESIDUAL_MODE if dies else ModeCheck.RESIDUAL_LINE, Level.CARE, {"hertz": line})
+
+
+def _outside(found: Identification) -> Iterator[Check]:
+    """Say what a linear fit has as further poles that decay as modes do, where a fit with forces has none there."""
+    poles = [c.pole for c in found.considered if c.remark.code is Reason.DISTORTION and not c.removed]
+    decaying = [pole for pole in poles if 0 < -pole.real < MOST_DAMPED * abs(pole)]
+    if found.forces and decaying:
+        yield check_of(ModeCheck.OUTSIDE, Level.CARE, {"hertz": in_hertz(decaying)})
 
 
 def _left_by_a_mode(found: Identification, line: Hertz) -> bool:

@@ -385,6 +385,11 @@ class ModeCheck(Code):
             )
         ),
     )
+    OUTSIDE = (
+        "outside",
+        "Motion at {hertz} Hz decays beside the modes and is not in the fit: further modes, or what its forces do not "
+        "describe.",
+    )
     NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: the fit contains {_names(n['forces'])}.")
     FLASH = (
         "flash",

@@ -9,16 +9,16 @@ from suspid.identification.nonlinear.dependence import AmplitudeDependence
 from suspid.identification.nonlinear.estimates import modes_of_bent
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.forces import Force, ForceKind
-from suspid.identification.nonlinear.own import MULTIPLE
+from suspid.identification.nonlinear.own import at_multiple
 from suspid.identification.nonlinear.search import find_forces
 from suspid.identification.nonlinear.signs import unlike_linear
 
 __all__ = [
-    "MULTIPLE",
     "AmplitudeDependence",
     "Bent",
     "Force",
     "ForceKind",
+    "at_multiple",
     "find_forces",
     "modes_of_bent",
     "unlike_linear",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
@@ -25,6 +26,8 @@ NEXT = 2
 ALIKE_MAC = 0.9
 # A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below `WEAK`.
 MULTIPLE = 0.03
+# From this multiple on, the share is that of the distance between two: else one is near every frequency.
+THIRD = 3.0
 
 
 def repeated(
@@ -47,12 +50,20 @@ def repeated(
     near = alike & (np.maximum(ratio, 1 / ratio) < OTHER_FREQUENCY)
     if _combined(abs(theta), np.abs(others[sizes > size])):
         return True
-    multiple = (
-        (np.round(ratio) > 1)
-        & (np.round(ratio) <= most)
-        & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
-    )
+    multiple = at_multiple(ratio) & (np.round(ratio) <= most)
     return bool(np.any(near | multiple & (size < weak**2 * sizes)))
+
+
+def at_multiple(ratio: RealArray) -> NDArray[np.bool_]:
+    """Return which ratios of two frequencies are near to a whole number above one.
+
+    Examples
+    --------
+    >>> at_multiple(np.array([1.0, 2.04, 2.1, 6.05, 6.15]))
+    array([False,  True, False,  True, False])
+    """
+    whole = np.maximum(np.round(ratio), 1.0)
+    return np.asarray((whole > 1) & (np.abs(ratio - whole) < MULTIPLE * np.minimum(whole, THIRD)))
 
 
 def _combined(frequency: float, others: RealArray) -> bool:
