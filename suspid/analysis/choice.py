@@ -267,16 +267,17 @@ def _not_repeated(decay: Decay, found: Identification, decays: Sequence[Decay]) 
 def _died_before(decay: Decay, found: Identification, decays: Sequence[Decay]) -> tuple[Check, ...]:
     """Return the doubt that a far larger decay, of which the one that is used is the end, has a mode beside its modes.
 
-    A fast mode dies first, and the end of a decay looks cleaner than its start.
+    A fast mode dies first, and the end of a decay looks cleaner than its start. Where no fit follows the start, nothing
+    tells which modes it has.
     """
     wn = found.modes.wn
     before = (one for one in decays if one.start < decay.start < one.stop and one.level > decay.level + FAR_ABOVE)
-    for other in before if len(wn) else ():
-        missing = [each for each in other.wn.tolist() if not in_common(np.array([each]), wn)]
-        if missing:
-            hertz = ", ".join(f"{each / (2 * np.pi):.4g}" for each in missing)
-            numbers: dict[str, Number] = {"start": other.start, "number": len(missing), "hertz": hertz}
-            return (Check(Remark(RecordCheck.DIED_BEFORE, numbers), Level.CARE),)
+    found_before = [*before] if len(wn) else []
+    missing = [[each for each in one.wn.tolist() if not in_common(np.array([each]), wn)] for one in found_before]
+    for other, some in sorted(zip(found_before, missing, strict=True), key=lambda pair: -len(pair[1]))[:1]:
+        hertz = ", ".join(f"{each / (2 * np.pi):.4g}" for each in some)
+        numbers: dict[str, Number] = {"start": other.start, "number": len(some), "hertz": hertz}
+        return (Check(Remark(RecordCheck.DIED_BEFORE, numbers), Level.CARE),)
     return ()
 
 
