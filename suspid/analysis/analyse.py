@@ -12,7 +12,7 @@ from suspid.analysis.analysis import Analysis
 from suspid.analysis.background import with_background
 from suspid.analysis.begun_tones import with_begun_tones
 from suspid.analysis.car_channels import in_terms_of
-from suspid.analysis.choice import identified, level_of
+from suspid.analysis.choice import level_of
 from suspid.analysis.commanded import after_commands
 from suspid.analysis.far_larger import larger_elsewhere
 from suspid.analysis.fewer_channels import with_fewer_channels, without_clipped
@@ -24,6 +24,7 @@ from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import part_asked_for, stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
+from suspid.analysis.tries import identified
 from suspid.analysis.until_locked import after_lock
 from suspid.analysis.used import Used
 from suspid.arguments import explained

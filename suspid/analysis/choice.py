@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.analysis.free_swings import doubts_of_swings
-from suspid.analysis.settings import Settings
 from suspid.decays import (
     DRIVEN,
     FEWEST_EARLY,
@@ -22,13 +21,10 @@ from suspid.decays import (
     not_far_weaker,
     unexplained,
 )
-from suspid.errors import SuspidError
 from suspid.identification import (
     FORCED,
     Identification,
     cycles_seen,
-    identify,
-    identify_linear,
     lag_one,
     removed_as,
     residual_of_part,
@@ -54,9 +50,6 @@ STRUCTURE = frozenset(
         ModeCheck.HELD_UP,
     }
 )
-# Settings that `identify` takes.
-FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
-PLAIN = Settings()
 # A fit that begins later than another, or ends earlier, is compared with it where it has this share of its samples.
 PART_SHARED = 0.5
 # Doubts of what is elsewhere in the record.
@@ -78,30 +71,6 @@ FAR_ABOVE = 10.0
 # Other decays without a mode of the one that is used: from the first number on they call for care, from the second on
 # they say that it is one by chance. A single one may be a knock at another part; larger numbers believe driven motion.
 SOME_UNLIKE, MANY_UNLIKE = 2, 3
-
-
-def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
-    """Return what `identify` finds with these settings."""
-    options: dict[str, Any] = {name: getattr(settings, name) for name in FOR_IDENTIFY}
-    return identify(record, **options)
-
-
-def tried(record: control.TimeResponseData, settings: Settings) -> Identification | None:
-    """Return what `identify` finds, or None if it refuses the record or finds fewer modes than asked for."""
-    try:
-        return identified(record, settings)
-    except SuspidError:
-        return None
-
-
-def tried_linear(record: control.TimeResponseData, settings: Settings, *, strict: bool = True) -> Identification | None:
-    """Return what the linear fit of `identify` finds; None where that is not all that is needed, if ``strict``."""
-    if any(getattr(settings, name) != getattr(PLAIN, name) for name in FOR_IDENTIFY):
-        return tried(record, settings)
-    try:
-        return identify_linear(record, strict=strict)
-    except SuspidError:
-        return None
 
 
 def swings(modes: Decay | ModalSet) -> bool:

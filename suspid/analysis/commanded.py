@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import NO_CYCLE, level_of, settled, tried
+from suspid.analysis.choice import NO_CYCLE, level_of, settled
 from suspid.analysis.held import held_from
 from suspid.analysis.largest import MOST_OF_IT
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
 from suspid.analysis.swings import AT_REST
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of
 from suspid.decays import SAME_MODE, Decay, in_common
 from suspid.identification import Identification, cycles_seen

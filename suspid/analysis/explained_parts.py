@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import settled, swings, tried
+from suspid.analysis.choice import settled, swings
 from suspid.analysis.settings import Settings
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of
 from suspid.decays import STARTS_AFTER_REST
 from suspid.identification import FEWEST_SAMPLES, Identification

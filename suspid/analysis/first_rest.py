@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import settled, tried
+from suspid.analysis.choice import settled
 from suspid.analysis.settings import Settings
+from suspid.analysis.tries import tried
 from suspid.analysis.until_locked import AS_ONE_AFTER
 from suspid.analysis.used import Used, used_of
 from suspid.decays import Decays, rests_from, stops_at

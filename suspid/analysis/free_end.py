@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import damping_known, level_of, tried
+from suspid.analysis.choice import damping_known, level_of
 from suspid.analysis.explained_parts import explains_swings
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import decay_at_end
 from suspid.identification import Identification

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import settled, tried
+from suspid.analysis.choice import settled
 from suspid.analysis.forced_start import SAME_POLE, without_start
 from suspid.analysis.longer import with_identification
 from suspid.analysis.settings import Settings
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, used_of
 from suspid.decays import STARTS_AFTER_REST, Decays, rest_of
 from suspid.identification import Identification

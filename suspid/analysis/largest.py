@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.between_knocks import between_knocks, smoothest
-from suspid.analysis.choice import damping_known, level_of, settled_by_forces, swings, tried
+from suspid.analysis.choice import damping_known, level_of, settled_by_forces, swings
 from suspid.analysis.far_larger import hardly_any, larger_elsewhere, shows_the_same, time_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.shown_modes import shared_modes
 from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.support import questioned
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of
 from suspid.identification import FEWEST_SAMPLES, Identification
 from suspid.records import cut, of_channels

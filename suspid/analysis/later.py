@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from suspid.analysis.choice import damping_known, level_of, swings, tried, with_few_cycles
+from suspid.analysis.choice import damping_known, level_of, swings, with_few_cycles
 from suspid.analysis.settings import Settings
 from suspid.analysis.stretch import LATER_SHARES
 from suspid.analysis.support import questioned, supported
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import FIT, Decay, Decays, by_chance, find_decays
 from suspid.errors import SuspidError

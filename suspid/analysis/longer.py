@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.analysis.choice import settled, tried, tried_linear
+from suspid.analysis.choice import settled
 from suspid.analysis.far_larger import only_the_end
 from suspid.analysis.forced_start import behind_blow
 from suspid.analysis.settings import Settings
 from suspid.analysis.shown_modes import shows_all, shows_more
+from suspid.analysis.tries import tried, tried_linear
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LITTLE, Decay, Decays, releases_before, rests_from
 from suspid.identification import Identification, removed_as

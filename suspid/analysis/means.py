@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import NO_CYCLE, level_of, tried
+from suspid.analysis.choice import NO_CYCLE, level_of
 from suspid.analysis.forced_start import SAME_POLE
 from suspid.analysis.longer import longest, with_identification
 from suspid.analysis.settings import Settings
+from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import Decays, by_chance
 from suspid.identification import FEWEST_SAMPLES, Identification

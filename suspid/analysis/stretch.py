@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import explains, holds, linear, settled, swings, tried, tried_linear
+from suspid.analysis.choice import explains, holds, linear, settled, swings
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.far_larger import far_larger
 from suspid.analysis.first_rest import until_one_rests
@@ -19,6 +19,7 @@ from suspid.analysis.idle import without_idle
 from suspid.analysis.longer import longer, with_identification, with_its_end
 from suspid.analysis.settings import Settings
 from suspid.analysis.shown_modes import shared_modes
+from suspid.analysis.tries import tried, tried_linear
 from suspid.analysis.until_locked import released_and_locked
 from suspid.analysis.used import Used, used_of
 from suspid.decays import LOOK_BLOCKS, Decay, Decays, by_chance, clearly_driven, find_decays, is_grave

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import PLAIN, level_of, linear, settled, tried_linear
+from suspid.analysis.choice import level_of, linear, settled
 from suspid.analysis.explained_parts import explains_swings, part_used, shortened, used_instead
 from suspid.analysis.settings import Settings
 from suspid.analysis.support import questioned
+from suspid.analysis.tries import PLAIN, tried_linear
 from suspid.analysis.used import Used
 from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, stops_at
 from suspid.identification import FEWEST_SAMPLES, ForceKind, Identification

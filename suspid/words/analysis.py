@@ -273,8 +273,8 @@ class RecordCheck(Code):
                 f"The decay that begins at {moment(n['start'])} s, of which this one is the end, looks as if it had "
                 f"{'a mode' if n['number'] == 1 else 'modes'} at {n['hertz']} Hz beside these: what is fast dies first."
                 if n["number"]
-                else f"It is the end of a far larger motion, from {moment(n['start'])} s on, which no fit follows: what "
-                f"is fast dies first, and may be missing."
+                else f"It is the end of a far larger motion, from {moment(n['start'])} s on, which no fit follows: "
+                f"what is fast dies first, and may be missing."
             )
         ),
     )
