@@ -24,7 +24,7 @@ from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import part_asked_for, stretch_of
 from suspid.analysis.support import doubted_as_wave, of_a_wave, supported
-from suspid.analysis.tries import identified
+from suspid.analysis.tries import identified, kept_tries
 from suspid.analysis.until_locked import after_lock
 from suspid.analysis.used import Used
 from suspid.arguments import explained
@@ -35,6 +35,7 @@ from suspid.identification import (
     Identification,
     Repeats,
     identify_repeats,
+    patience,
 )
 from suspid.model import Suspension
 from suspid.recordings import Recording
@@ -254,12 +255,13 @@ def _found(
     record: control.TimeResponseData, settings: Settings, begin: Callable[[str], None], *, of_car: bool
 ) -> tuple[Identification, Repeats | None, Used]:
     """Return what is identified in the best decay of a record, and that decay."""
-    stretch = with_means(record, stretch_of(record, settings), settings)
-    if not of_car:
-        stretch = with_fewer_channels(record, stretch, settings, stretch_of)
-    stretch = with_means_of_longest(record, stretch, settings)
-    begin(STEPS[2])
-    return _identified(record, stretch, settings)
+    with patience(), kept_tries():
+        stretch = with_means(record, stretch_of(record, settings), settings)
+        if not of_car:
+            stretch = with_fewer_channels(record, stretch, settings, stretch_of)
+        stretch = with_means_of_longest(record, stretch, settings)
+        begin(STEPS[2])
+        return _identified(record, stretch, settings)
 
 
 def _identified(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
 
 from suspid.analysis.settings import Settings
@@ -19,21 +20,20 @@ if TYPE_CHECKING:
 FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
 PLAIN = Settings()
 # Samples of all channels up to which a result is kept: of longer records a few would fill the memory.
-MOST_KEPT = 50_000
+MOST_KEPT = 20_000
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Sought:
-    """A record to identify; one that equals another has the same channels and samples."""
+_kept: ContextVar[dict[tuple[object, ...], Identification] | None] = ContextVar("kept", default=None)
 
-    record: control.TimeResponseData
-    key: tuple[object, ...]
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Sought) and self.key == other.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
+@contextmanager
+def kept_tries() -> Iterator[None]:
+    """Keep what is identified within: nothing of one analysis reaches the next."""
+    token = _kept.set({})
+    try:
+        yield
+    finally:
+        _kept.reset(token)
 
 
 def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
@@ -41,16 +41,14 @@ def identified(record: control.TimeResponseData, settings: Settings) -> Identifi
     if not _is_plain(settings):
         options: dict[str, Any] = {name: getattr(settings, name) for name in FOR_IDENTIFY}
         return identify(record, **options)
-    signal = as_signal(record)
-    if signal.values.size > MOST_KEPT:
+    signal, kept = as_signal(record), _kept.get()
+    if kept is None or signal.values.size > MOST_KEPT:
         return identify(record)
     samples = hashlib.blake2b(signal.values.tobytes(), digest_size=16).digest()
-    return _found(_Sought(record, (signal.start, signal.step, signal.channels, signal.values.shape, samples)))
-
-
-@lru_cache(maxsize=16)
-def _found(sought: _Sought) -> Identification:
-    return identify(sought.record)
+    key = signal.start, signal.step, signal.channels, signal.values.shape, samples
+    if key not in kept:
+        kept[key] = identify(record)
+    return kept[key]
 
 
 def tried(record: control.TimeResponseData, settings: Settings) -> Identification | None:

@@ -31,7 +31,7 @@ from suspid.identification.noise import (
     lag_one,
     resolution,
 )
-from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
+from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind, patience
 from suspid.identification.parts import residual_of_part
 from suspid.identification.pulses import FORCED
 from suspid.identification.removed_checks import in_hertz
@@ -70,6 +70,7 @@ __all__ = [
     "lag_one",
     "modes_from_dict",
     "modes_to_dict",
+    "patience",
     "read_modes",
     "removed_as",
     "residual_of_part",

@@ -10,6 +10,7 @@ from suspid.identification.nonlinear.estimates import modes_of_bent
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.forces import Force, ForceKind
 from suspid.identification.nonlinear.own import at_multiple
+from suspid.identification.nonlinear.patience import patience
 from suspid.identification.nonlinear.search import find_forces
 from suspid.identification.nonlinear.signs import unlike_linear
 
@@ -21,5 +22,6 @@ __all__ = [
     "at_multiple",
     "find_forces",
     "modes_of_bent",
+    "patience",
     "unlike_linear",
 ]

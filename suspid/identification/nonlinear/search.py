@@ -27,6 +27,7 @@ from suspid.identification.nonlinear.feedback import (
 )
 from suspid.identification.nonlinear.lengthening import at_full_rate, lengthened
 from suspid.identification.nonlinear.own import next_poles, repeated
+from suspid.identification.nonlinear.patience import COSTLY, counted_steps, is_exhausted, note_in_vain
 from suspid.identification.nonlinear.rates import Means, WithoutForces
 from suspid.identification.nonlinear.signs import distorted, overtones_alone, rises_again, straight
 from suspid.identification.nonlinear.standing import driven_stands, energies, misses
@@ -54,9 +55,15 @@ EACH_EXPLAINED = 0.9
 def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, modes: int | None = None) -> Bent | None:
     """Return the modes and the forces that explain a decay better than one more pole does; None if there are none.
 
-    A linear fit without distortion must have the larger BIC.
+    A linear fit without distortion must have the larger BIC. Within an analysis, structures of several modes are not
+    sought in vain forever (see `patience`).
     """
-    return _found(_Sought(values=values, noise=noise, selection=selection, modes=modes))
+    structures = not is_exhausted(len(values))
+    sought = _Sought(values=values, noise=noise, selection=selection, modes=modes, structures=structures)
+    bent, in_vain = _found(sought)
+    if in_vain:
+        note_in_vain(len(values))
+    return bent
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -67,6 +74,7 @@ class _Sought:
     noise: WhiteNoise  # it and the selection follow from the samples
     selection: Selection
     modes: int | None
+    structures: bool  # whether those of several modes are sought
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, _Sought):
@@ -80,18 +88,32 @@ class _Sought:
     def _key(self) -> tuple[object, ...]:
         # To the ninth digit: means depend on how samples stand in memory.
         largest = float(np.max(np.abs(self.values)))
-        return self.values.shape, f"{largest:.8e}", np.round(self.values / largest, 9).tobytes(), self.modes
+        return (
+            self.values.shape,
+            f"{largest:.8e}",
+            np.round(self.values / largest, 9).tobytes(),
+            self.modes,
+            self.structures,
+        )
 
 
 # A stretch that is verified as a decay is then identified.
 @lru_cache(maxsize=2)
-def _found(sought: _Sought) -> Bent | None:
-    values, noise, selection, modes = sought.values, sought.noise, sought.selection, sought.modes
-    found, linear = _searched(values, noise, selection.fit, modes), WithoutForces.of(selection)
-    bic = linear.bic(noise)
-    bent = _structure(sought, found, linear)
+def _found(sought: _Sought) -> tuple[Bent | None, bool]:
+    """Return modes and forces, and whether structures were sought at great cost and in vain."""
+    linear = WithoutForces.of(sought.selection)
+    found = _searched(sought.values, sought.noise, sought.selection.fit, sought.modes)
+    with counted_steps() as steps:
+        bent = _structure(sought, found, linear) if sought.structures else None
     if bent is not None:
-        return bent
+        return bent, False
+    return _measured(sought, found, linear), steps[0] > COSTLY
+
+
+def _measured(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Bent | None:
+    """Return what was found from the motion as it was measured, where that is better than a linear fit."""
+    values, selection, modes = sought.values, sought.selection, sought.modes
+    bic = linear.bic(sought.noise)
     if found is None or modes is not None or found.fit.bic < bic:
         return found
     if not distorted(selection) or (misses(found.fit) and overtones_alone(selection)):

@@ -15,6 +15,7 @@ from suspid.identification.noise import degrees_of_freedom
 from suspid.identification.nonlinear.feedback import Record
 from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind
 from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
+from suspid.identification.nonlinear.patience import note_steps
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
@@ -160,6 +161,7 @@ def with_parameters(of: Structures, parameters: RealArray) -> Structures:
 def evaluated(record: Record, structures: Structures, order: int) -> StructureFit:
     """Return the structure with its motion and what that leaves of a record."""
     at, count = parameters_of(structures)[0], record.values.shape[1]
+    note_steps(count)
     steps = np.maximum(CHANGE * np.repeat(np.abs(at[::2] + 1j * at[1::2]), 2), CHANGE**1.5)
     # A step costs about as much for all of them as for one.
     every = with_parameters(structures, at + np.vstack([np.zeros(len(at)), np.diag(steps)]))
