@@ -384,7 +384,8 @@ def test_temperatures_are_not_called_angles(tmp_path: Path) -> None:
     file = tmp_path / "warm.csv"
     rows = "".join(f"{k / 100},{np.exp(-k / 100) * np.cos(k / 5)},{60 + (k % 7) / 10}\n" for k in range(400))
     file.write_text(f"time [s],seat [mm],oil [°C]\n{rows}", encoding="utf-8")
-    said = CliRunner().invoke(main, ["identify", str(file), "--si"]).stderr
+    channels = ["--channel", "seat", "--channel", "oil"]
+    said = CliRunner().invoke(main, ["identify", str(file), "--si", *channels]).stderr
     assert "the unit '°C' is one of temperature" in said
     assert "Did you mean '°'" not in said
 

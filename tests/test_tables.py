@@ -419,7 +419,7 @@ class TestExports:
         with pytest.raises(RecordError, match="names 4 columns, but the rows have 3 cells"):
             read(tmp_path, f"time,seat,front,left\n{rows}\n")
 
-    @pytest.mark.parametrize("odd", ["degC", "U/min", "hPa", "widgets", "l/h"])
+    @pytest.mark.parametrize("odd", ["kWh", "U/min", "hPa", "widgets", "l/h"])
     def test_an_unknown_unit_beside_known_ones_is_a_unit(self, tmp_path: Path, odd: str) -> None:
         path = tmp_path / "a.csv"
         rows = "\n".join(f"{k / 100},{k % 7},{k % 3},{20 + k % 2}" for k in range(60))

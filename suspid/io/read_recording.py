@@ -94,6 +94,8 @@ def _is_toml(path: Path) -> bool:
 
 def _hint(path: Path) -> str:
     """Return what a file that could not be read may be, where its name says nothing, or something else."""
+    if not os.path.isfile(path):
+        return ""
     marked = marked_format(path)
     if marked is not None and format_of(path) is not marked:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
@@ -101,7 +103,7 @@ def _hint(path: Path) -> str:
     if seen and (kind is PLAIN_TEXT or is_document(path)):
         return f"; it looks like {seen}"
     # A universal file is text.
-    if seen is None and kind is not PLAIN_TEXT and kind.module != "uff" and path.stat().st_size:
+    if seen is None and kind is not PLAIN_TEXT and kind.module != "uff":
         return "; it looks like text: name it .csv"
     if not is_guess(path):
         return ""

@@ -17,6 +17,7 @@ from suspid.io.names import (
     bracketed_unit,
     is_time,
     is_time_in_unknown_unit,
+    may_be_time,
     split_unit,
 )
 from suspid.io.tables import Table
@@ -69,7 +70,7 @@ def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
     """Return the numbers of a column of time in seconds."""
     unit = time_unit(table, time)
     stated = table.units.get(time, "").strip() or bracketed_unit(time)
-    if not unit and UNIT_OF_ELSE.fullmatch(stated):
+    if not unit and not may_be_time(time) and UNIT_OF_ELSE.fullmatch(stated):
         raise RecordError(f"{time!r} is in {stated!r}, which is no unit of time; known: {KNOWN_UNITS}")
     of_digits = None if unit else seconds_of_digits(stamps)
     if of_digits is not None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import OTHER_FREQUENCY
-from suspid.identification.harmonics import WEAK
+from suspid.identification.harmonics import HIGHEST, WEAK
 from suspid.identification.likelihood import bic_penalty
 from suspid.identification.likelihood import evaluate as evaluate_decay
 from suspid.identification.noise import WhiteNoise
@@ -26,7 +26,8 @@ NEXT = 2
 ALIKE_MAC = 0.9
 # A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below `WEAK`.
 MULTIPLE = 0.03
-# From this multiple on, the share is that of the distance between two: else one is near every frequency.
+# From this multiple on, the share is that of the distance between two: else one is near every frequency. Beyond the
+# highest one is, and what is weak there is distortion as likely.
 THIRD = 3.0
 
 
@@ -55,7 +56,7 @@ def repeated(
 
 
 def at_multiple(ratio: RealArray) -> NDArray[np.bool_]:
-    """Return which ratios of two frequencies are near to a whole number above one.
+    """Return which ratios of two frequencies are near to a whole number above one; high ones always are.
 
     Examples
     --------
@@ -63,7 +64,8 @@ def at_multiple(ratio: RealArray) -> NDArray[np.bool_]:
     array([False,  True, False,  True, False])
     """
     whole = np.maximum(np.round(ratio), 1.0)
-    return np.asarray((whole > 1) & (np.abs(ratio - whole) < MULTIPLE * np.minimum(whole, THIRD)))
+    near = MULTIPLE * np.where(whole <= HIGHEST, np.minimum(whole, THIRD), whole)
+    return np.asarray((whole > 1) & (np.abs(ratio - whole) < near))
 
 
 def _combined(frequency: float, others: RealArray) -> bool:

@@ -14,7 +14,7 @@ from contextvars import ContextVar
 
 # Costly searches in vain with as many channels, after which no more are made, and the steps of a motion from which on
 # one is costly: rigs with friction take fewer, or succeed.
-MOST_IN_VAIN, COSTLY = 3, 100_000
+SEARCHES_IN_VAIN, COSTLY = 3, 100_000
 
 _in_vain: ContextVar[Counter[int] | None] = ContextVar("in_vain", default=None)
 _stepped: ContextVar[list[int] | None] = ContextVar("stepped", default=None)
@@ -44,7 +44,7 @@ def patience() -> Iterator[None]:
 def is_exhausted(channels: int) -> bool:
     """Return whether no more structures are sought with as many channels."""
     counts = _in_vain.get()
-    return counts is not None and counts[channels] >= MOST_IN_VAIN
+    return counts is not None and counts[channels] >= SEARCHES_IN_VAIN
 
 
 def note_in_vain(channels: int) -> None:
