@@ -118,3 +118,10 @@ def test_a_link_to_itself_is_said(tmp_path: Path) -> None:
     path.symlink_to(path)
     with pytest.raises(suspid.RecordError, match="a link to nothing, or to itself"):
         suspid.read_recording(path)
+
+
+def test_cells_that_are_formulas_of_their_text(tmp_path: Path) -> None:
+    rows = [f'="{t:.3f}",="{y:.5f}"' for t, y in zip(TIME, SEAT, strict=True)]
+    path = tmp_path / "r.csv"
+    path.write_text("\n".join(["time,seat", *rows]) + "\n")
+    np.testing.assert_allclose(suspid.read_recording(path)["seat"].values, SEAT, atol=1e-5)

@@ -15,6 +15,8 @@ from suspid.words import Note, Remark
 if TYPE_CHECKING:
     import control
 
+# Channels of which each is compared with each, at most: of more, the comparisons would fill the memory.
+MOST_RELATED = 1000
 # Samples on either side from which a derivative is computed at most, and of its own past from which a motion is
 # predicted. Programs use two or three on either side; a past of four modes is longer than most need.
 SAMPLES_ABOUT, PAST_SAMPLES = 5, 8
@@ -68,6 +70,8 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
 
 def _sources(values: RealArray, step: Second) -> dict[int, tuple[int, Note]]:
     """Return from which channel each channel that was computed comes, by row, and how."""
+    if len(values) > MOST_RELATED:
+        return {}
     centred = values - values.mean(axis=1, keepdims=True)
     copies = _copies(centred)
     sources = dict(copies)

@@ -51,6 +51,8 @@ LABELS = {
 }
 # A frame as candump writes it: a time, the bus, the identifier and the bytes.
 FRAME = re.compile(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-F]{3,8}#", re.I)
+# What begins a cell that is a formula of a text.
+AS_FORMULA = re.compile(rb'(^|[,;\t])="', re.M)
 # Hours and minutes, in a cell that is no time of day as a whole.
 OF_CLOCK = re.compile(r"\d:\d\d")
 # The beginning in which header and layout are looked for. A larger one costs time, a smaller one misses long headers.
@@ -67,6 +69,8 @@ def table_of_text(content: bytes) -> Table:
     ends_within = is_open(content)
     text, left_out = decoded(content)
     del content
+    # Programs write a number as a formula that is its text, so that no spreadsheet changes it.
+    text = AS_FORMULA.sub(rb'\1"', text) if b'="' in text[:HEAD_BYTES] else text
     text, of_scope = with_scope_names(text)
     text, of_cassy, whole = with_cassy_names(text)
     text, notes = without_notes(text, within=HEAD_BYTES)
