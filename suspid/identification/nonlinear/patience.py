@@ -7,16 +7,16 @@ machine.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-# Costly searches in vain with as many channels, after which no more are made, and the steps of a motion from which on
-# one is costly: rigs with friction take fewer, or succeed.
-SEARCHES_IN_VAIN, COSTLY = 3, 100_000
+# Steps of a motion from which on a search is costly: rigs with friction take fewer, or succeed. After as many of them
+# in vain with as many channels, or as many steps of these, no more are made.
+COSTLY, SEARCHES_IN_VAIN, STEPS_IN_VAIN = 100_000, 3, 600_000
 
-_in_vain: ContextVar[Counter[int] | None] = ContextVar("in_vain", default=None)
+# Steps of each search in vain, by the number of channels.
+_in_vain: ContextVar[dict[int, list[int]] | None] = ContextVar("in_vain", default=None)
 _stepped: ContextVar[list[int] | None] = ContextVar("stepped", default=None)
 
 
@@ -27,14 +27,14 @@ def patience() -> Iterator[None]:
     Examples
     --------
     >>> with patience():
-    ...     for _ in range(3):
-    ...         note_in_vain(2)
-    ...     print(is_exhausted(2), is_exhausted(3))
-    True False
+    ...     for channels, steps in ((2, 120_000), (2, 150_000), (2, 130_000), (3, 700_000), (4, 120_000), (5, 8000)):
+    ...         note_in_vain(channels, steps)
+    ...     print([is_exhausted(channels) for channels in (2, 3, 4, 5)])
+    [True, True, False, False]
     >>> is_exhausted(2)
     False
     """
-    token = _in_vain.set(Counter())
+    token = _in_vain.set({})
     try:
         yield
     finally:
@@ -43,15 +43,15 @@ def patience() -> Iterator[None]:
 
 def is_exhausted(channels: int) -> bool:
     """Return whether no more structures are sought with as many channels."""
-    counts = _in_vain.get()
-    return counts is not None and counts[channels] >= SEARCHES_IN_VAIN
+    searches = (_in_vain.get() or {}).get(channels, [])
+    return len(searches) >= SEARCHES_IN_VAIN or sum(searches) >= STEPS_IN_VAIN
 
 
-def note_in_vain(channels: int) -> None:
-    """Count a costly search in vain."""
+def note_in_vain(channels: int, steps: int) -> None:
+    """Count a search in vain, if it was costly."""
     counts = _in_vain.get()
-    if counts is not None:
-        counts[channels] += 1
+    if counts is not None and steps > COSTLY:
+        counts.setdefault(channels, []).append(steps)
 
 
 @contextmanager

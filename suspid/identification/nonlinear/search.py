@@ -27,7 +27,7 @@ from suspid.identification.nonlinear.feedback import (
 )
 from suspid.identification.nonlinear.lengthening import at_full_rate, lengthened
 from suspid.identification.nonlinear.own import next_poles, repeated
-from suspid.identification.nonlinear.patience import COSTLY, counted_steps, is_exhausted, note_in_vain
+from suspid.identification.nonlinear.patience import counted_steps, is_exhausted, note_in_vain
 from suspid.identification.nonlinear.rates import Means, WithoutForces
 from suspid.identification.nonlinear.signs import distorted, overtones_alone, rises_again, straight
 from suspid.identification.nonlinear.standing import driven_stands, energies, misses
@@ -61,8 +61,7 @@ def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, m
     structures = not is_exhausted(len(values))
     sought = _Sought(values=values, noise=noise, selection=selection, modes=modes, structures=structures)
     bent, in_vain = _found(sought)
-    if in_vain:
-        note_in_vain(len(values))
+    note_in_vain(len(values), in_vain)
     return bent
 
 
@@ -99,15 +98,15 @@ class _Sought:
 
 # A stretch that is verified as a decay is then identified.
 @lru_cache(maxsize=2)
-def _found(sought: _Sought) -> tuple[Bent | None, bool]:
-    """Return modes and forces, and whether structures were sought at great cost and in vain."""
+def _found(sought: _Sought) -> tuple[Bent | None, int]:
+    """Return modes and forces, and the steps of motions in which structures of several modes were sought in vain."""
     linear = WithoutForces.of(sought.selection)
     found = _searched(sought.values, sought.noise, sought.selection.fit, sought.modes)
     with counted_steps() as steps:
         bent = _structure(sought, found, linear) if sought.structures else None
     if bent is not None:
-        return bent, False
-    return _measured(sought, found, linear), steps[0] > COSTLY
+        return bent, 0
+    return _measured(sought, found, linear), steps[0]
 
 
 def _measured(sought: _Sought, found: Bent | None, linear: WithoutForces) -> Bent | None:
