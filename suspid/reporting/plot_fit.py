@@ -22,7 +22,7 @@ from suspid.reporting.axes import (
 from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.units import Second
+from suspid.units import RealArray, Second
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,10 +81,25 @@ def plot_fit(
     time, share = record.timepts[kept], identification.explained
     for i, (ax, name) in enumerate(zip(drawn, names, strict=True)):
         at = position(name, record.channels)
-        plot_residual(ax, time, *(signal.values[at, kept] for signal in (record, fitted, residual)))
-        entitle(ax, f"{shown(name)}: {100 * share[at]:.4g} % explained")
+        level = _offset(record.values[at])
+        lines = (record.values[at, kept] - level, fitted.values[at, kept] - level, residual.values[at, kept])
+        plot_residual(ax, time, *lines)
+        less = f", less {level:.4g}" if level else ""
+        entitle(ax, f"{shown(name)}: {100 * share[at]:.4g} % explained{less}")
         ax.set_xlim(low, high)
         unit_ticks(ax, (shown(units[i], most=8) if units else "") or "unit")
     if len(names):
         label_below(drawn, "time [s]")
         key_above(drawn[0])
+
+
+def _offset(values: RealArray) -> float:
+    """Return the mean of a channel where it is larger than the motion, beside which the residual could not be seen.
+
+    Examples
+    --------
+    >>> _offset(np.array([9.0, 10.0, 11.0])), _offset(np.array([0.0, 1.0, 2.0]))
+    (10.0, 0.0)
+    """
+    level = float(np.mean(values))
+    return level if abs(level) > np.ptp(values) > 0 else 0.0
