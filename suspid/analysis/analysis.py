@@ -266,7 +266,7 @@ def _of_recording(found: Analysis) -> Iterator[Check]:
         if remark.code is LeftOut.FINER_UNIT and (remark.numbers["others"] or UNNAMED_TIME.fullmatch(name)):
             guessed: dict[str, Number] = {"name": printable(name), **remark.numbers}
             yield Check(Remark(RecordCheck.GUESSED_UNIT, guessed), Level.CARE)
-        if remark.code in (LeftOut.TOO_FINE, LeftOut.SHORT_SECONDS):
+        if remark.code is LeftOut.TOO_FINE:
             odd: dict[str, Number] = {"name": printable(name), "length": remark.numbers["length"]}
             yield Check(Remark(RecordCheck.ODD_UNIT, odd), Level.CARE)
     of_start = [
