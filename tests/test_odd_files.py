@@ -125,3 +125,11 @@ def test_cells_that_are_formulas_of_their_text(tmp_path: Path) -> None:
     path = tmp_path / "r.csv"
     path.write_text("\n".join(["time,seat", *rows]) + "\n")
     np.testing.assert_allclose(suspid.read_recording(path)["seat"].values, SEAT, atol=1e-5)
+
+
+def test_a_unit_in_each_cell_is_said(tmp_path: Path) -> None:
+    rows = [f'"2024-01-01 10:11:{t + 10:.3f}","{y:.5f} m/s²"' for t, y in zip(TIME, SEAT, strict=True)]
+    path = tmp_path / "r.csv"
+    path.write_text("\n".join(['"Time","seat"', *rows]) + "\n", encoding="utf-8")
+    with pytest.raises(suspid.RecordError, match="m/s²' has its unit behind it: write numbers alone"):
+        suspid.read_recording(path)

@@ -32,6 +32,8 @@ AS_ONES = bytes.maketrans(b"0123456789", b"1111111111")
 GROUPED = re.compile("[+-]?\\d{1,3}(?:[ \u2009\xa0\u202f]\\d{3})+(?:[.,]\\d+)?")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
+# A number with its unit behind it.
+UNITED = re.compile(r"\s*[+-]?\d+(?:[.]\d+)?(?:[eE][+-]?\d+)?\s*[^\W\d_][^\s\d]{0,8}[\d²³]?\s*")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -133,8 +135,12 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
     trials = _trials(counted)
     if not trials:
         # A line in the middle is no header.
-        seen = f": {shortened(sample[len(sample) // 2])} is none" if sample else ""
-        raise RecordError(f"contains no row of numbers{seen}; a record needs at least 2 samples, one a line")
+        middle = sample[len(sample) // 2] if sample else ""
+        seen = f": {shortened(middle)} is none" if sample else ""
+        united = next((cell for cell in re.split(r"[,;\t]", middle.replace('"', "")) if UNITED.fullmatch(cell)), "")
+        why = f"{shortened(united)} has its unit behind it: write numbers alone, and units above them"
+        what = why if united else "a record needs at least 2 samples, one a line"
+        raise RecordError(f"contains no row of numbers{seen}; {what}")
     # Blanks and tabs read what tabs alone read, and a few lines of a header besides.
     tabs = max((trial.score for trial in trials if trial.dialect.delimiter == "\t"), default=0.0)
     # Share of the lines that are read with blanks as well: if tabs read as many, tabs separate the cells.
