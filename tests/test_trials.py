@@ -175,6 +175,13 @@ class TestNoiseOfARecording:
         assert 10 * np.log10(ratio[0]) < 6
         assert doubts_of_background(block_means(values, 2), found, size=2, length=500) == ()
 
+    def test_a_drift_is_no_background(self) -> None:
+        """Beside the free motion, what is left of a mode's course saw the drift of quiet sensors."""
+        values = 1e-3 * noise(9, 60000) + np.outer([0.8, -0.3], np.sin(2 * np.pi * np.arange(60000) / 40000))
+        values[:, -600:] += decay()
+        found = trial(values[:, -600:])
+        assert doubts_of_background(block_means(values, 2), found, size=2, length=600) == ()
+
     def test_is_that_of_white_noise_where_the_free_motion_of_the_modes_is_all_of_any_stretch(self) -> None:
         """Nine samples and two modes, each with a part that falls as it does and one that falls on: nine unknowns."""
         pairs = np.array([complex(-0.02, 0.6), complex(-0.03, 1.1)])

@@ -47,6 +47,8 @@ QUIET_SHARE, FEWEST_STRETCHES = 0.5, 4
 CALM = 0.2
 # Share of a mode's own course that is left beside the free motion of all, below which a background is not told.
 LEAST_BESIDE_FREE = 1e-9
+# Order of the polynomial that a drift is within a stretch as long as a decay.
+DRIFT_ORDER = 1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -199,7 +201,9 @@ def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) 
     courses = np.exp(fit.poles.pairs[rows][:, None] * np.arange(blocks))
     # The poles are those of this decay: of others they may be off by a little.
     courses = np.concatenate([courses, courses * np.linspace(0.0, 1.0, blocks)])
-    free = np.linalg.qr(np.stack([*courses.real, *courses.imag, np.ones(blocks)], axis=1))[0]
+    # Nor does a sensor's drift excite anything.
+    drift = np.linspace(-1.0, 1.0, blocks) ** np.arange(1 + DRIFT_ORDER)[:, None]
+    free = np.linalg.qr(np.stack([*courses.real, *courses.imag, *drift], axis=1))[0]
     forced = turns - free @ (free.T @ turns)
     # Stretches overlap by half, so that some lie between two releases.
     laps = [means[:, first:] for first in (0, blocks // 2)]
