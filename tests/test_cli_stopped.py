@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import click
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -46,6 +47,19 @@ def test_help_that_finds_no_room_is_one_line() -> None:
         told = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert told.returncode == 1
     assert told.stderr == "suspid: error: the output cannot be written: No space left on device\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+def test_a_result_that_finds_no_room_is_one_line(tmp_path: Path) -> None:
+    t = np.arange(400) / 100
+    path = tmp_path / "r.csv"
+    np.savetxt(path, np.column_stack([t, np.exp(-t) * np.cos(20 * t)]), "%.6g", ",", header="t,seat", comments="")
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        command = [sys.executable, "-m", "suspid", "identify", str(path), "--json", "-"]
+        told = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert told.returncode == 1
+    assert told.stderr.splitlines()[-1] == "suspid: error: the output cannot be written: No space left on device"
+    assert "Traceback" not in told.stderr
 
 
 def test_ctrl_c_during_the_imports_is_one_line(

@@ -3,6 +3,7 @@
 import importlib
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from suspid.decays.decay import Decay
 from suspid.decays.find_decays import _in_company, _ranked, find_decays
 from suspid.identification import Force, ForceKind
 from suspid.records import as_response
-from suspid.words import DecayDoubt, Level, RecordCheck, Remark
+from suspid.words import Check, DecayDoubt, Level, RecordCheck, Remark
 
 
 @pytest.fixture(scope="module")
@@ -83,11 +84,8 @@ def test_what_no_other_stretch_shows_is_doubted(hertz: tuple[float, ...], level:
     assert RecordCheck.NOT_REPEATED not in {check.remark.code for check in beside}
 
 
-@pytest.mark.parametrize(
-    ("more", "early", "hertz", "said"), [(30, 0.4, 17.6, 1), (5, 0.4, 17.6, 0), (30, 0.4, 5.01, 0), (30, -1, 17.6, 0)]
-)
-def test_a_mode_of_a_larger_decay_before_is_named(more: float, early: float, hertz: float, said: int) -> None:
-    """A clean end of a decay was called sound, though a mode with ten times its motion had died before it."""
+def before_its_end(**of_larger: Any) -> list[Check]:
+    """Return what is said of the clean end of a decay, of which another one is the larger start."""
     time = np.arange(300) / 100
     noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
     found = analyse((time, np.exp(-2.5 * time) * np.sin(10 * np.pi * time) + noise))
@@ -95,12 +93,24 @@ def test_a_mode_of_a_larger_decay_before_is_named(more: float, early: float, her
         start=1.0, stop=4.0, rank=1, kind=None, level=26.0, cycles=9.0, strength=60.0, wn=np.array([10 * np.pi]),
         zeta=np.array([0.08]), doubts=(),
     )  # fmt: skip
-    larger = replace(
-        used, start=1.0 - early, stop=3.0, rank=2, level=26.0 + more, wn=2 * np.pi * np.array([5.0, hertz])
-    )
+    larger = replace(used, rank=2, **{"start": 0.6, "stop": 3.0, "level": 56.0, **of_larger})
     checks = doubts_of((used,), found.identification, (used, larger))
-    named = [check for check in checks if check.remark.code is RecordCheck.DIED_BEFORE]
+    return [check for check in checks if check.remark.code is RecordCheck.DIED_BEFORE]
+
+
+@pytest.mark.parametrize(
+    ("more", "early", "hertz", "said"), [(30, 0.4, 17.6, 1), (5, 0.4, 17.6, 0), (30, 0.4, 5.01, 0), (30, -1, 17.6, 0)]
+)
+def test_a_mode_of_a_larger_decay_before_is_named(more: float, early: float, hertz: float, said: int) -> None:
+    """A clean end of a decay was called sound, though a mode with ten times its motion had died before it."""
+    named = before_its_end(start=1.0 - early, level=26.0 + more, wn=2 * np.pi * np.array([5.0, hertz]))
     assert [(check.level, f"{hertz:g} Hz" in str(check)) for check in named] == [(Level.CARE, True)] * said
+
+
+@pytest.mark.parametrize(("doubts", "said"), [((Remark(DecayDoubt.FORCED, {"share": 0.5}),), 1), ((), 0)])
+def test_a_larger_start_that_no_fit_follows_is_said(doubts: tuple[Remark, ...], said: int) -> None:
+    named = before_its_end(doubts=doubts)
+    assert [(check.level, "which no fit follows" in str(check)) for check in named] == [(Level.CARE, True)] * said
 
 
 @pytest.mark.parametrize(

@@ -163,6 +163,16 @@ class TestAgain:
         assert content(output) == before
         assert fleet_summary(output).records == 3
 
+    def test_a_part_that_is_a_copy_of_another_is_made_again(self, tmp_path: Path) -> None:
+        make_fleet(tmp_path / "in", 4)
+        identify_many(tmp_path / "in", output=tmp_path / "out", chunk=2)
+        before = content(tmp_path / "out")
+        first, second = (part_path(tmp_path / "out", "modes", number) for number in (0, 1))
+        second.write_bytes(first.read_bytes())
+        run = identify_many(tmp_path / "in", output=tmp_path / "out", chunk=2)
+        assert (run.kept, run.notes) == (2, ("1 damaged part made again: number 1",))
+        assert content(tmp_path / "out") == before
+
     def test_a_file_of_equal_size_that_changed_is_named(self, fleet: tuple[Path, Path]) -> None:
         records, output = fleet
         path = records / "run000.csv"

@@ -497,3 +497,15 @@ class TestPage:
             figure.draw_without_rendering()
         assert sum(ax.get_title(loc="left").startswith("ridge at") for ax in figure.axes) == 8
         assert sum("explained" in ax.get_title(loc="left") for ax in figure.axes) == 8
+
+
+def test_a_channel_far_from_zero_is_drawn_about_its_mean() -> None:
+    """Else the residual, at zero, is a line as flat as the motion."""
+    t = np.arange(600) / 100
+    motion = np.exp(-0.3 * t) * np.cos(20 * t) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    for level, less in ((10.0, ", less 10"), (0.0, "")):
+        ax = Figure().subplots()
+        plot_fit(identify(as_record(level + motion, timepts=t)), axes=[ax])
+        drawn = [np.asarray(line.get_ydata(), float) for line in ax.get_lines()]
+        assert all(np.max(np.abs(values)) < 1.1 for values in drawn)
+        assert ax.get_title(loc="left").endswith(f"% explained{less}")

@@ -1,15 +1,12 @@
 """Laws of single rules that tests of whole records do not see: halves, falls, turns, multiples, patience."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from suspid import analyse, identify
-from suspid.analysis.choice import doubts_of
-from suspid.decays import Decay
+from suspid import identify
 from suspid.decays.fading import FADING_PARTS, LEAST_FADED, falling
 from suspid.identification import Considered, Force, ForceKind, patience
 from suspid.identification.nonlinear import search
@@ -18,7 +15,7 @@ from suspid.identification.nonlinear.turns import measured_turns
 from suspid.identification.verdict import _outside
 from suspid.records import as_response
 from suspid.signals import Signal
-from suspid.words import DecayDoubt, Reason, RecordCheck, Remark
+from suspid.words import Reason, Remark
 
 
 def test_halves_disagree_by_one_standard_deviation_in_white_noise() -> None:
@@ -43,7 +40,7 @@ def test_a_motion_falls_by_a_neper_at_least(faded: float, seen: bool) -> None:
 
 
 def test_a_pole_that_hardly_turns_takes_no_memory() -> None:
-    """A share of its cycle was the length of an array: 105 GiB."""
+    """A share of its cycle was the length of an array."""
     motion = np.exp(-np.arange(60) / 30)
     assert measured_turns(motion, np.array([5.0, 25.0, 45.0]), 10**12).size <= 3
 
@@ -63,22 +60,6 @@ def test_motion_that_forces_leave_out_is_said() -> None:
     (check,) = _outside(found)
     assert str(check).startswith("Motion at 185.6 Hz decays beside the modes")
     assert not list(_outside(SimpleNamespace(forces=(), considered=(own,))))  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(("doubted", "said"), [(True, 1), (False, 0)])
-def test_the_end_of_a_larger_motion_that_no_fit_follows_is_said(doubted: bool, said: int) -> None:
-    time = np.arange(300) / 100
-    noise = 1e-3 * np.random.default_rng(1).standard_normal(time.size)
-    found = analyse((time, np.exp(-2.5 * time) * np.sin(10 * np.pi * time) + noise))
-    used = Decay(
-        start=1.0, stop=4.0, rank=1, kind=None, level=26.0, cycles=9.0, strength=60.0, wn=np.array([10 * np.pi]),
-        zeta=np.array([0.08]), doubts=(),
-    )  # fmt: skip
-    doubts = (Remark(DecayDoubt.FORCED, {"share": 0.5}),) if doubted else ()
-    larger = replace(used, start=0.6, stop=3.0, rank=2, level=50.0, doubts=doubts)
-    checks = doubts_of((used,), found.identification, (used, larger))
-    named = [check for check in checks if check.remark.code is RecordCheck.DIED_BEFORE]
-    assert ["no fit follows" in str(check) for check in named] == [True] * said
 
 
 def test_structures_are_sought_in_vain_a_few_times_only(monkeypatch: pytest.MonkeyPatch) -> None:

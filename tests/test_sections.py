@@ -103,3 +103,14 @@ def test_rows_without_a_time_may_be_pages_or_tests(tmp_path: Path, rate: str) ->
     path.write_text(rate + 2 * ("z\n" + "\n".join(row.split(",")[1] for row in lines(90, seed=0)) + "\n"))
     with pytest.raises(suspid.RecordError, match="no time tells whether the file holds several recordings"):
         suspid.read_recording(path, fs=RATE)
+
+
+def test_a_rate_above_the_first_section_holds_for_all(tmp_path: Path) -> None:
+    path = runs(tmp_path)
+    path.write_text("Sample rate: 200 Hz\n" + path.read_text())
+    assert [channel.rate for channel in suspid.read_recording(path).channels] == [RATE] * 3
+
+
+def test_a_section_of_one_row_leaves_the_others(tmp_path: Path) -> None:
+    recording = suspid.read_recording(runs(tmp_path, more="Run 4\nTime (s),z (mm)\n0.000,1.0\n"))
+    assert [channel.values.size for channel in recording.channels] == [*COUNTS, 1]

@@ -247,3 +247,9 @@ class TestDamage:
         monkeypatch.setitem(sys.modules, "nptdms", None)
         with pytest.raises(RecordError, match=r"^reading .tdms needs nptdms: pip install '(?i:nptdms)[<>=.,\d]+'$"):
             read_tdms(tmp_path / "a.tdms")
+
+
+def test_the_unit_of_a_step_is_the_one_that_is_stated(tmp_path: Path) -> None:
+    seat = channel("G", "seat", np.arange(9.0), wf_increment=5.0, wf_start_offset=20.0, wf_xunit_string="ms")
+    found = read_recording(put(tmp_path, [seat]))
+    np.testing.assert_allclose(found.channels[0].timepts, 0.02 + 0.005 * np.arange(9))

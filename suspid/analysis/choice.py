@@ -240,16 +240,19 @@ def _died_before(decay: Decay, found: Identification, decays: Sequence[Decay]) -
     tells which modes it has.
     """
     wn = found.modes.wn
-    before = (one for one in decays if one.start < decay.start < one.stop and one.level > decay.level + FAR_ABOVE)
-    found_before = [*before] if len(wn) else []
-    missing = [[each for each in one.wn.tolist() if not in_common(np.array([each]), wn)] for one in found_before]
-    for other, some in sorted(zip(found_before, missing, strict=True), key=lambda pair: -len(pair[1])):
-        if not some and not any(doubt.code in FIT for doubt in other.doubts):
-            continue
-        hertz = ", ".join(f"{each / (2 * np.pi):.4g}" for each in some)
-        numbers: dict[str, Number] = {"start": other.start, "number": len(some), "hertz": hertz}
-        return (Check(Remark(RecordCheck.DIED_BEFORE, numbers), Level.CARE),)
-    return ()
+    before = [one for one in decays if one.start < decay.start < one.stop and one.level > decay.level + FAR_ABOVE]
+    missing = [[each for each in one.wn.tolist() if not in_common(np.array([each]), wn)] for one in before]
+    told = [
+        (other.start, some)
+        for other, some in zip(before, missing, strict=True)
+        if some or any(doubt.code in FIT for doubt in other.doubts)
+    ]
+    if not told or not len(wn):
+        return ()
+    start, some = max(told, key=lambda one: len(one[1]))
+    hertz = ", ".join(f"{each / (2 * np.pi):.4g}" for each in some)
+    numbers: dict[str, Number] = {"start": start, "number": len(some), "hertz": hertz}
+    return (Check(Remark(RecordCheck.DIED_BEFORE, numbers), Level.CARE),)
 
 
 def level_of(found: Identification, used: Sequence[Decay], decays: Sequence[Decay]) -> Level:

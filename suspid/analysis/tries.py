@@ -22,7 +22,6 @@ PLAIN = Settings()
 # Samples of all channels up to which a result is kept: of longer records a few would fill the memory.
 MOST_KEPT = 20_000
 
-
 _kept: ContextVar[dict[tuple[object, ...], Identification] | None] = ContextVar("kept", default=None)
 
 

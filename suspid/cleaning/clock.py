@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
-from suspid.stamps import Indices
+from suspid.stamps import MOST_PER_ROW, Indices
 from suspid.units import Hertz, RealArray, Second
 from suspid.wording import Argument
 from suspid.words import Defect, Number
@@ -18,8 +18,6 @@ from suspid.words import Defect, Number
 DRIFT = 1e-4
 # A stamp further from its place in the grid than this, in steps, belongs to another place.
 OFF = 0.5
-# Samples that a grid may hold for each row that is there; a wrong stamp must not ask for all the memory.
-MOST_PER_ROW = 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
-from suspid.io import bracketed_unit, unit_in_name
+from suspid.io import TEMPERATURES, bracketed_unit, unit_in_name
 from suspid.records import like
 from suspid.signals import as_signal
 from suspid.units import STANDARD_GRAVITY, RealArray
@@ -56,7 +56,7 @@ IN_WORDS = {
 }  # fmt: skip
 
 # Units of temperature, which nothing here needs.
-OF_TEMPERATURE = {"°c", "degc", "celsius", "°f", "degf", "fahrenheit", "k", "kelvin"}
+OF_TEMPERATURE = TEMPERATURES | {"k", "kelvin"}
 # Newton metres, which differ from nanometres in case alone.
 TORQUES = {"Nm", "kNm", "NM"}
 # Other spellings and what replaces them, in this order.

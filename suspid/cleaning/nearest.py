@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid.cleaning.clock import DRIFT, MOST_PER_ROW, OFF, Clock, check_rate, on_grid, stated
+from suspid.cleaning.clock import DRIFT, OFF, Clock, check_rate, on_grid, stated
 from suspid.cleaning.findings import found
 from suspid.cleaning.following import FOLLOWED, SIGNIFICANT, late_or_irregular, share_followed
 from suspid.errors import RecordError
 from suspid.signals import JITTER
-from suspid.stamps import FEW, HOLE, SHORTEST, Indices, line, nearest_grid
+from suspid.stamps import FEW, HOLE, MOST_PER_ROW, SHORTEST, Indices, line, nearest_grid
 from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
 from suspid.wording import Argument

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning.clock import MOST_PER_ROW
 from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
-from suspid.stamps import FEW, Indices, line, resolution
+from suspid.stamps import FEW, MOST_PER_ROW, Indices, line, resolution
 from suspid.units import Ratio, RealArray
 from suspid.wording import Argument, moment
 from suspid.words import Defect, Number

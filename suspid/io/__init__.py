@@ -9,6 +9,7 @@ are folders of their own. Files are checked for damage before a library reads th
 from suspid.io.foreign import install_line
 from suspid.io.formats import READERS
 from suspid.io.names import LONGEST_READ as LONGEST_READ
+from suspid.io.names import TEMPERATURES as TEMPERATURES
 from suspid.io.names import UNNAMED_COLUMN as UNNAMED_COLUMN
 from suspid.io.names import bare_name, bracketed_unit, is_time, unit_in_name
 from suspid.io.read_recording import read_recording

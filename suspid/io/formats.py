@@ -126,7 +126,11 @@ def is_guess(path: Path) -> bool:
 
 def is_document(path: Path) -> bool:
     """Return whether a file begins as a document in XML or HTML does."""
-    return XML.match(_head(path).removeprefix(codecs.BOM_UTF8)) is not None
+    return _is_xml(_head(path))
+
+
+def _is_xml(head: bytes) -> bool:
+    return XML.match(head.removeprefix(codecs.BOM_UTF8)) is not None
 
 
 def appearance(path: Path) -> str | None:
@@ -135,7 +139,7 @@ def appearance(path: Path) -> str | None:
     for mark, name in UNREADABLE:
         if head.startswith(mark):
             return name
-    if is_document(path):
+    if _is_xml(head):
         return "a document of another program, in XML (export its table as CSV there)"
     wide = head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     return None if head and (wide or not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")) else ""

@@ -25,6 +25,8 @@ PER_SECOND = {
     **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 1 / 3600),
     **dict.fromkeys(("day", "days"), 1 / 86400),
 }
+# Units of temperature, in lower case without blanks; k alone may be a count of thousands, and c a charge.
+TEMPERATURES = {"°c", "degc", "ºc", "℃", "celsius", "°f", "degf", "℉", "fahrenheit"}
 # Of these, units that stand behind a name of time without a mark between, as in TimeMs. Others make other words.
 JOINED = re.compile(r"(t|time|timestamp|uptime|zeit)(ms|msec|us|usec|millis|micros|nanos)")
 # Names of the frequencies of a spectrum; with their unit also f.

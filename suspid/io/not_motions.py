@@ -9,13 +9,20 @@ import numpy as np
 
 from suspid.io.column_plan import ColumnPlan
 from suspid.io.epochs import SINCE_A_DATE
-from suspid.io.names import UNNAMED_COLUMN, counts_rows, is_abscissa, is_count, is_nth_count, may_be_time, unit_in_name
+from suspid.io.names import (
+    TEMPERATURES,
+    UNNAMED_COLUMN,
+    counts_rows,
+    is_abscissa,
+    is_count,
+    is_nth_count,
+    may_be_time,
+    unit_in_name,
+)
 from suspid.io.time_units import FEW_STAMPS, late_by, runs_beside
 from suspid.units import RealArray, Second
 from suspid.words import LeftOut, Remark
 
-# Units of temperature; K alone may be a count of thousands, and C a charge.
-TEMPERATURES = {"°C", "degC", "deg C", "ºC", "℃", "Celsius", "celsius", "°F", "degF", "deg F", "℉", "Fahrenheit"}
 # Rows in which a column of any name rises by one in each, or repeats the time: in fewer, a motion may.
 MANY_ROWS = 50
 # Share of a step by which what changes evenly with the time is off it at most: stamps are rounded. Any sensor is more.
@@ -67,7 +74,7 @@ def temperatures(plan: ColumnPlan, units: Mapping[str, str]) -> dict[str, Remark
     is a temperature, not a motion {}
     """
     of = {name: units.get(name, "") or unit_in_name(name) for name in plan.channels}
-    found = [name for name, unit in of.items() if unit in TEMPERATURES]
+    found = [name for name, unit in of.items() if unit.replace(" ", "").lower() in TEMPERATURES]
     return dict.fromkeys(found, Remark(LeftOut.TEMPERATURE)) if len(found) < len(of) else {}
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.io.column_plan import NO_TIME
-from suspid.io.restarts import of_test
+from suspid.io.runs import of_test
 from suspid.io.tables import Table
 from suspid.io.time_columns import time_names
 from suspid.recordings import RawChannel, Recording
@@ -43,16 +43,15 @@ def recording_of_parts(
         part = replace(part, title=table.title, rates=part.rates or table.parts[0].rates)
         found += [] if wanted == [] else [(prefix, read(part, wanted))]
     recordings = [recording for _, recording in found]
-    said = tuple(table.unusable.items())
+    left_out = _together([tuple(table.unusable.items()), *(each.left_out for each in recordings)])
     if len(found) > 1 and _go_on(recordings):
-        return replace(_joined(recordings), left_out=_together([said, *(each.left_out for each in recordings)]))
+        return replace(_joined(recordings), left_out=left_out)
     if any(not time_names(part) for part in untold):
         raise RecordError(
             "the names of the columns stand again, and no time tells whether the file holds several recordings, one "
             "below the other: save each in a file of its own"
         )
     tests = tuple(of_test(channel, prefix.removesuffix(": ")) for prefix, each in found for channel in each.channels)
-    left_out = _together([said, *(each.left_out for each in recordings)])
     return replace(recordings[0], channels=tests, left_out=left_out)
 
 
@@ -97,7 +96,6 @@ def _joined(pages: Sequence[Recording]) -> Recording:
 
 def _together(parts: Sequence[Sequence[tuple[str, Remark]]]) -> tuple[tuple[str, Remark], ...]:
     """Return what was left out of all parts, what is said of each alike only once."""
-    out = list[tuple[str, Remark]]()
-    for each in itertools.chain.from_iterable(parts):
-        out += [] if each in out else [each]
-    return tuple(out)
+    # By its sentence: numbers of a remark have no hash.
+    said = {(name, str(remark)): remark for name, remark in itertools.chain.from_iterable(parts)}
+    return tuple((name, remark) for (name, _), remark in said.items())

@@ -11,18 +11,21 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.io.runs import of_test
 from suspid.recordings import RawChannel
-from suspid.stamps import Indices
+from suspid.stamps import MOST_PER_ROW, Indices
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
 
 # Fewest rows of a recording, and the most recordings of a file.
 FEWEST_ROWS_OF_A_TEST, MOST_TESTS = 16, 1000
+# Steps of a clock, in mean ones, of which breaks between recordings have at least one: of so few rows each, they would
+# take most of the time.
+LONGEST_STEP = 0.5 * FEWEST_ROWS_OF_A_TEST
 # A clock that begins anew does so at its first stamp, to this share of the longest recording.
 AT_FIRST_STAMP = 0.1
-# Samples of a grid for each row from which on a record is nearly empty: its breaks are between recordings. So are those
-# of this share of the longest one.
-NEARLY_EMPTY, ALIKE_BREAKS = 20, 0.1
+# Breaks of this share of the longest one are between recordings as well.
+ALIKE_BREAKS = 0.1
 # Where counters roll over: those of 16 and 32 bits, in their own unit, or from us or ms to s.
 ROLLS_OVER = (2.0**16, 2.0**32, 2.0**32 / 1e3, 2.0**32 / 1e6)
 # A step across a roll over, in usual steps.
@@ -61,20 +64,8 @@ def with_restarts(
         own = clock[first:stop]
         tests += [of_test(replace(c, timepts=own, values=c.values[first:stop]), f"Run {k + 1}") for c in channels]
     why = LeftOut.ANEW if anew.size else LeftOut.BREAKS
-    return tuple(tests), {
-        repr(next(iter(times), "time")): Remark(why, {"row": int(edges[0]), "more": int(edges.size) - 1})
-    }
-
-
-def of_test(channel: RawChannel, test: str) -> RawChannel:
-    """Return a channel as one of a test, whose name it has before its own.
-
-    Examples
-    --------
-    >>> of_test(RawChannel(name="z", unit="m", timepts=np.arange(2.0), values=np.ones(2), rate=None), "Run 1").name
-    'Run 1: z'
-    """
-    return replace(channel, name=f"{test}: {channel.name}", test=test)
+    said = Remark(why, {"row": int(edges[0]), "more": int(edges.size) - 1})
+    return tuple(tests), {repr(next(iter(times), "time")): said}
 
 
 def _begins_anew(times: RealArray) -> Indices:
@@ -86,19 +77,21 @@ def _begins_anew(times: RealArray) -> Indices:
     rows, usual = np.diff([0, *edges, times.size]), float(np.median(steps))
     starts, ends = times[[0, *edges]], times[[*(edges - 1), -1]]
     near = np.abs(starts - starts[0]) <= AT_FIRST_STAMP * usual * np.max(rows)
-    whole = ends - starts <= NEARLY_EMPTY * usual * rows
+    whole = ends - starts <= MOST_PER_ROW * usual * rows
     return edges if np.all(near & whole) else np.zeros(0, np.intp)
 
 
 def _breaks(times: RealArray) -> Indices:
     """Return the rows behind the long breaks of a clock that would leave a record nearly empty."""
-    steps = np.diff(times)
-    if steps.size < FEWEST_ROWS_OF_A_TEST or not np.all(np.isfinite(steps)) or np.any(steps < 0):
-        return np.zeros(0, np.intp)
+    steps, none = np.diff(times), np.zeros(0, np.intp)
+    if steps.size < FEWEST_ROWS_OF_A_TEST or not np.all(steps >= 0):
+        return none
+    if np.max(steps) < LONGEST_STEP * np.mean(steps):
+        return none
     usual = float(np.median(steps))
-    if not usual > 0 or times[-1] - times[0] < NEARLY_EMPTY * times.size * usual:
-        return np.zeros(0, np.intp)
-    return np.flatnonzero(steps > max(NEARLY_EMPTY * usual, ALIKE_BREAKS * float(np.max(steps)))) + 1
+    if not usual > 0 or times[-1] - times[0] < MOST_PER_ROW * times.size * usual:
+        return none
+    return np.flatnonzero(steps > max(MOST_PER_ROW * usual, ALIKE_BREAKS * float(np.max(steps)))) + 1
 
 
 def with_rolled_on(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -101,6 +102,17 @@ def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
     apart = max(least * float(np.max(ends - starts)), STEPS_APART * float(np.max(steps)))
     together = np.ptp(starts) < apart and np.ptp(steps) < PACES_APART * np.max(steps)
     return of if together and np.ptp(ends) > apart else {}
+
+
+def of_test(channel: RawChannel, test: str) -> RawChannel:
+    """Return a channel as one of a test, whose name it has before its own.
+
+    Examples
+    --------
+    >>> of_test(RawChannel(name="z", unit="m", timepts=np.arange(2.0), values=np.ones(2), rate=None), "Run 1").name
+    'Run 1: z'
+    """
+    return replace(channel, name=f"{test}: {channel.name}", test=test)
 
 
 def _parts(name: str) -> Sequence[str]:

@@ -37,7 +37,7 @@ from suspid.io.names import (
 )
 from suspid.io.newest_first import is_newest_first
 from suspid.io.tables import Table, TimeBase
-from suspid.io.time_units import UNIT_OF_ELSE, in_seconds, late_by, runs_beside
+from suspid.io.time_units import in_seconds, late_by, runs_beside, unit_of_else
 from suspid.stamps import MOST_STEPS
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
@@ -156,7 +156,7 @@ def increasing(table: Table) -> str:
     Without one, it is at the only column that falls throughout.
     """
     for name in dict.fromkeys([*list(table.sizes)[:1], *list(table.sizes)[-1:], *table.sizes]):
-        if UNIT_OF_ELSE.fullmatch(table.units.get(name, "").strip() or bracketed_unit(name)):
+        if unit_of_else(table, name):
             continue
         with contextlib.suppress(RecordError):
             if over_frequency(table, name):

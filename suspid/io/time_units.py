@@ -53,8 +53,8 @@ NEAR_RATE = 0.1
 ROUNDED_BELOW = 10.0
 # Calls from the line that has a table to the column of its time: a warning shows that line.
 CALLS_TO_HERE = 7
-# Days since 1900 of the years 1982 to 2091 as spreadsheets count them, since the year 0 as MATLAB does, and of Julius.
-# In seconds, steps below the largest would be sampled faster than 5 kHz, hours after the start.
+# Days since 1900 of the years 1982 to 2091 as spreadsheets count them, since the year 0 as MATLAB does, and the Julian
+# ones. In seconds, steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 70_000.0), (724_000.0, 754_000.0), (2_444_000.0, 2_484_000.0)), 2e-4
 
 
@@ -66,12 +66,18 @@ def time_unit(table: Table, time: str) -> str:
     return unit if unit in PER_SECOND or stem in TIME_NAMES else ""
 
 
+def unit_of_else(table: Table, name: str) -> str:
+    """Return the unit of a column, as stated or in its name, where it is one of a quantity that is no time."""
+    unit = table.units.get(name, "").strip() or bracketed_unit(name)
+    return unit if UNIT_OF_ELSE.fullmatch(unit) else ""
+
+
 def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
     """Return the numbers of a column of time in seconds."""
     unit = time_unit(table, time)
-    stated = table.units.get(time, "").strip() or bracketed_unit(time)
-    if not unit and not may_be_time(time) and UNIT_OF_ELSE.fullmatch(stated):
-        raise RecordError(f"{time!r} is in {stated!r}, which is no unit of time; known: {KNOWN_UNITS}")
+    other = "" if unit or may_be_time(time) else unit_of_else(table, time)
+    if other:
+        raise RecordError(f"{time!r} is in {other!r}, which is no unit of time; known: {KNOWN_UNITS}")
     of_digits = None if unit else seconds_of_digits(stamps)
     if of_digits is not None:
         return of_digits

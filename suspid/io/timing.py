@@ -72,10 +72,8 @@ def as_recording(
     """
     check_rate(fs)
     _check_names(channels, time)
-    if table.parts:
-        read = partial(_recording, time=time, fs=fs, title=title, size=size)
-        return recording_of_parts(table, channels, time, read)
-    return _recording(table, channels, time=time, fs=fs, title=title, size=size)
+    read = partial(_recording, time=time, fs=fs, title=title, size=size)
+    return recording_of_parts(table, channels, time, read) if table.parts else read(table, channels)
 
 
 def _recording(

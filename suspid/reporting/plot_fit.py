@@ -41,6 +41,8 @@ def plot_fit(
 ) -> None:
     """Draw the record of each channel with the fitted decay and the residual, all in the unit of the record.
 
+    A channel whose mean is larger than its motion is drawn less that mean, which the title says.
+
     Parameters
     ----------
     identification : Identification

@@ -6,7 +6,7 @@ nearest to stamps that also jitter. `continued` undoes that a clock was set back
 for a reader. The packages that hold channels and those that clean them use the same reading.
 """
 
-from suspid.stamps.grids import Grid, grid_of
+from suspid.stamps.grids import MOST_PER_ROW, Grid, grid_of
 from suspid.stamps.multiples import multiples_of
 from suspid.stamps.rounding import FEW, HOLE, Indices, is_uniform, line, resolution
 from suspid.stamps.set_backs import MOST_STEPS, are_even, continued
@@ -15,6 +15,7 @@ from suspid.stamps.tracking import SHORTEST, nearest_grid, rate_and_gaps
 __all__ = [
     "FEW",
     "HOLE",
+    "MOST_PER_ROW",
     "MOST_STEPS",
     "SHORTEST",
     "Grid",

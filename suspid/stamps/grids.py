@@ -15,6 +15,8 @@ from suspid.units import RealArray, Second
 # Width that the band of residuals may have beyond the rounding, in steps, tried in this order. One row missing
 # in the middle of a record widens the narrowest band by half a step: gaps are looked for before more is allowed.
 JITTERS = ((0.0, 0.2, 0.4), (0.8,))
+# Samples that a grid may hold for each row that is there: a wrong stamp must not ask for all the memory.
+MOST_PER_ROW = 20
 # Largest number of gaps per row. Where there are more, the step is wrong, not the rows missing.
 MOST_GAPS = 0.1
 # Where the usual step is the resolution itself, a longer step is either a missing row or the beat of another rate with

@@ -142,7 +142,7 @@ def _of_sections(
     for (start, names), (stop, _) in itertools.pairwise([*sections, (len(text), 0)]):
         line = lines + text.count(b"\n", start, names) + 1
         again.append(line)
-        if has_rows(text[names:stop], layout):
+        if has_rows(text, names, stop, layout):
             part = _table(text[start:stop], -lines, ends_within=ends_within and stop == len(text), whole=False)
             parts.append(replace(part, title=title_above(text, names, layout)))
         else:

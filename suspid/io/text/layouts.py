@@ -54,8 +54,10 @@ def find_layout(head: Sequence[str], sample: Sequence[str], *, before: int = 0) 
     Of a part of a file, lines stand ``before`` the first ones.
     """
     columns = _columns(head, sample)
-    counts = {k for k, line in enumerate(head) if columns.are_data(line) and _counts(head, k, columns)}
-    first = next((k for k, line in enumerate(head) if k not in counts and columns.are_data(line)), None)
+    data = (k for k, line in enumerate(head) if columns.are_data(line))
+    counts = list[int]()
+    while (first := next(data, None)) is not None and _counts(head, first, columns):
+        counts.append(first)
     if first is None:
         raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
     columns = replace(columns, row=head[first])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from suspid.io.text.cells import kind_of
 from suspid.io.text.layouts import Layout
 from suspid.io.text.rows import is_row, names_again
 
+FILLED_LINE = re.compile(rb"[^\n]+")
 # Characters of a title, at most.
 LONGEST_TITLE = 60
 
@@ -31,11 +33,11 @@ def sections_of(text: bytes, top: Sequence[str], layout: Layout) -> list[tuple[i
         return []
     first = sum(len(line.encode()) + 1 for line in top[: above[-1]])
     # Blank columns behind the others may be named above some sections only.
-    names = b"\n" + _less_blank(top[above[-1]], layout).encode()
+    names = _less_blank(top[above[-1]], layout)
     found, at = [(0, first)], first
-    while (at := text.find(names, at)) >= 0:
+    while (at := text.find(b"\n" + names.encode(), at)) >= 0:
         start, at = at + 1, text.find(b"\n", at + 1)
-        if _less_blank(text[start:at].decode(), layout) == _less_blank(top[above[-1]], layout):
+        if _less_blank(text[start:at].decode(), layout) == names:
             found.append((_first_above(text, start, above[-1] + 1, layout), start))
     return found if len(found) > 1 else []
 
@@ -46,9 +48,9 @@ def _less_blank(names: str, layout: Layout) -> str:
     return names if delimiter == " " else delimiter.join(names.split(delimiter)[: len(layout.names)])
 
 
-def has_rows(section: bytes, layout: Layout) -> bool:
-    """Return whether a section has a row."""
-    return any(_may_be_row(line.decode(), layout) for line in section.split(b"\n"))
+def has_rows(text: bytes, start: int, stop: int, layout: Layout) -> bool:
+    """Return whether there is a row between two places of a text."""
+    return any(_may_be_row(line[0].decode(), layout) for line in FILLED_LINE.finditer(text, start, stop))
 
 
 def title_above(text: bytes, names: int, layout: Layout) -> str:
