@@ -19,6 +19,7 @@ from suspid.units import RealArray
 from suspid.words import Check, Level, ModeCheck, Remark
 
 WN = 3.2
+SLOW = pytest.mark.slow
 
 
 def coupled(
@@ -40,7 +41,7 @@ def coupled(
     return as_response(time, motion, ["left", "right"]), np.sqrt([WN**2, WN**2 + 2 * spring])
 
 
-@pytest.mark.parametrize("seed", [105, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (109, 120))])
+@pytest.mark.parametrize("seed", [105, *(pytest.param(seed, marks=SLOW) for seed in (109, 120))])
 def test_pendulums_that_beat_are_two_modes(seed: int) -> None:
     """What swells again and again, and is two modes, is no wave, nor does its decay end where they are out of step."""
     rng = np.random.default_rng(seed)
@@ -49,9 +50,16 @@ def test_pendulums_that_beat_are_two_modes(seed: int) -> None:
     assert analyse(record).modes.wn == pytest.approx(wn, rel=3e-3)
 
 
-@pytest.mark.parametrize("seed", [1, 15])
-def test_forces_follow_what_poles_follow(seed: int) -> None:
-    """One mode with forces is no explanation of two that beat, although their poles have parts beside them."""
+@pytest.mark.parametrize(
+    ("seed", "structures"), [(1, False), (15, False), *(pytest.param(seed, True, marks=SLOW) for seed in (1, 15))]
+)
+def test_forces_follow_what_poles_follow(seed: int, structures: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One mode with forces is no explanation of two that beat, although their poles have parts beside them.
+
+    The search for structures, which finds none here, takes nearly all of the time.
+    """
+    if not structures:
+        monkeypatch.setattr("suspid.identification.nonlinear.search._structure", lambda *_: None)
     record, _ = coupled(np.random.default_rng(seed), spring=0.51928, drag=0.01415, damping=0.00025, end=132.4)
     assert np.min(identify(record).explained) > 0.9
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,25 @@ from suspid.units import ComplexArray, RealArray
 AHEAD = 12
 # Sweeps over places at which masses turn or are held in the same step, at most, and the change that ends them.
 SWEEPS, SETTLED_FRICTION = 6, 1e-9
+
+
+class Begun(NamedTuple):
+    """How a step begins, each (structure, force)."""
+
+    speed: RealArray  # at its start
+    plain: RealArray  # at its end, without friction
+    sign: RealArray
+    slip: RealArray  # what friction of that sign changes at its own place
+    stuck: NDArray[np.bool_] | None  # where masses rest; None where none does
+
+
+class Beside(NamedTuple):
+    """What a step is at each place beside the friction elsewhere, each (structure, force)."""
+
+    rest: RealArray  # speeds at the end without the friction there
+    slipped: RealArray  # and with that of the sign at the start
+    turned: NDArray[np.bool_]
+    events: list[bool]  # (force,): whether a mass turns or rests
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -29,6 +49,7 @@ class RubbedSteps:
     centres: ComplexArray  # (structure, force, pole): and states at which it holds them
     answers: RealArray  # (structure, force, force): and of each speed that a force follows, the last index
     own: RealArray  # (structure, force): the same of its own speed
+    against: RealArray  # (structure, force): that, where it slows the speed; else -inf
     slope: ComplexArray  # (structure, pole, force)
     speeds: ComplexArray  # (structure, pole, twice the forces): now, and after a step without forces
     across: ComplexArray  # (structure, force, pole): as the slope
@@ -42,6 +63,7 @@ class RubbedSteps:
         """
         powers = np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1))
         answers = np.einsum("pkj,pki->pij", slope, held).real.copy()
+        own = np.diagonal(answers, axis1=1, axis2=2).copy()
         pushed = np.ascontiguousarray(np.swapaxes(held, 1, 2))
         return cls(
             powers=powers,
@@ -49,7 +71,8 @@ class RubbedSteps:
             held=pushed,
             centres=pushed / (1 - powers[:, None, :, 0]),
             answers=answers,
-            own=np.diagonal(answers, axis1=1, axis2=2).copy(),
+            own=own,
+            against=np.where(own < 0, own, -np.inf),
             slope=slope,
             speeds=np.concatenate([slope, slope * powers[:, :, :1]], axis=2),
             across=np.ascontiguousarray(np.swapaxes(slope, 1, 2)),
@@ -88,21 +111,23 @@ class RubbedSteps:
         count = len(self.still)
         both = (z[:, None] @ self.speeds)[:, 0].real
         speed, plain = both[:, :count], both[:, count:]
-        signs = np.sign(speed)
-        stuck = np.abs(speed) <= self.still
-        acting = np.where(stuck, before, signs)
-        rest, events = self._beside(acting, plain, signs, stuck)
+        sign = np.sign(speed)
+        rests = np.abs(speed) <= self.still
+        stuck = rests if rests.any() else None
+        begun = Begun(speed, plain, sign, self.own * sign, stuck)
+        acting = sign.copy() if stuck is None else np.where(stuck, before, sign)
+        beside = self._beside(acting, begun)
         found, held = set[int](), np.zeros(acting.shape, bool)
         for _ in range(SWEEPS):
             last = acting.copy()
             for j in range(count):
-                if events[j] or j in found:
-                    acting[:, j], held[:, j] = friction(
-                        speed[:, j], rest[:, j], self.own[:, j], still=float(self.still[j])
-                    )
+                if j in found or beside.events[j]:
+                    acting[:, j], held[:, j] = friction(j, begun, beside, self.against[:, j])
                     found.add(j)
-                    rest, events = self._beside(acting, plain, signs, stuck)
-            alone = len(found) < 2 and not any(events[j] for j in range(count) if j not in found)
+                    # What is alone changes nothing elsewhere.
+                    if count > 1:
+                        beside = self._beside(acting, begun)
+            alone = len(found) < 2 and not any(beside.events[j] for j in range(count) if j not in found)
             if alone or np.max(np.abs(acting - last)) < SETTLED_FRICTION:
                 break
         return self._together(acting, plain, held) if len(found) > 1 else acting
@@ -123,41 +148,41 @@ class RubbedSteps:
         holds = several & np.logical_and.reduce(np.abs(every) <= 1, axis=1)
         return np.where(holds[:, None], every, acting)
 
-    def _beside(
-        self, acting: RealArray, plain: RealArray, signs: RealArray, stuck: NDArray[np.bool_]
-    ) -> tuple[RealArray, NDArray[np.bool_]]:
-        """Return the speeds after a step beside the friction elsewhere, and where one turns or rests, (force,)."""
-        rest = plain + (acting[:, None] @ self.answers)[:, 0] - self.own * acting
-        turned = (rest + self.own * signs) * signs < 0
-        return rest, np.logical_or.reduce(turned | stuck, axis=0)
+    def _beside(self, acting: RealArray, begun: Begun) -> Beside:
+        """Return what a step is beside the friction elsewhere, of forces (structure, force)."""
+        rest = begun.plain + (acting[:, None] @ self.answers)[:, 0] - self.own * acting
+        slipped = rest + begun.slip
+        turned = slipped * begun.sign < 0
+        events = np.logical_or.reduce(turned if begun.stuck is None else turned | begun.stuck, axis=0)
+        return Beside(rest, slipped, turned, events.tolist())
 
 
-def friction(
-    speed: RealArray, rest: RealArray, answer: RealArray, *, still: float
-) -> tuple[RealArray, NDArray[np.bool_]]:
-    """Return the mean of the sign of a speed over a step, or what holds the mass, between -1 and 1; and where it holds.
+def friction(j: int, begun: Begun, beside: Beside, against: RealArray) -> tuple[RealArray, NDArray[np.bool_]]:
+    """Return the mean of one force over a step, (structure,), and where it holds the mass.
 
-    The speed at the start of the step, that at its end without friction, and what the sign of 1 changes that by.
+    The mean is that of the sign of the speed, or what holds the mass, between -1 and 1. A sign of 1 changes the speed
+    ``against`` it, (structure,), or not: -inf.
 
     Examples
     --------
     A mass that slips on, one that turns back, one that is held from its stop on, and one that stays held:
 
-    >>> speed, rest = np.array([1.0, 0.25, 0.1, 0.0]), np.array([0.9, -0.5, 0.0, 0.2])
-    >>> mean, held = friction(speed, rest, np.full(4, -0.25), still=1e-9)
+    >>> speed, rest = np.array([[1.0], [0.25], [0.1], [0.0]]), np.array([[0.9], [-0.5], [0.0], [0.2]])
+    >>> sign = np.sign(speed)
+    >>> begun = Begun(speed, rest, sign, -0.25 * sign, sign == 0)
+    >>> beside = Beside(rest, rest + begun.slip, (rest + begun.slip) * sign < 0, [True])
+    >>> mean, held = friction(0, begun, beside, np.full(4, -0.25))
     >>> mean, held
     (array([ 1. , -0.5,  0. ,  0.8]), array([False, False,  True,  True]))
     """
-    sign = np.sign(speed)
-    slipped = rest + answer * sign
-    stuck = np.abs(speed) <= still
-    turned = slipped * sign < 0
-    # Mostly every mass slips on.
-    if not (turned | stuck).any():
-        return sign, stuck
-    against = np.where(answer < 0, answer, -np.inf)
+    speed, sign, rest, turned = begun.speed[:, j], begun.sign[:, j], beside.rest[:, j], beside.turned[:, j]
+    stops = np.abs(rest - speed) <= -against
+    if begun.stuck is None:
+        held = turned & stops
+    else:
+        stuck = begun.stuck[:, j]
+        turned = turned & ~stuck
+        held = stuck | (turned & stops)
     holds = np.minimum(np.maximum(-rest / against, -1.0), 1.0)
-    turned &= ~stuck
-    share = speed / np.where(turned, speed - slipped, 1.0)
-    held = stuck | (turned & (np.abs(rest - speed) <= -against))
+    share = speed / np.where(turned, speed - beside.slipped[:, j], 1.0)
     return np.where(held, holds, np.where(turned, sign * (2 * share - 1), sign)), held
