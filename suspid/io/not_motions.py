@@ -117,6 +117,8 @@ def single_numbers(plan: ColumnPlan, columns: Mapping[str, RealArray]) -> dict[s
 def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps: RealArray) -> dict[str, Remark]:
     """Return the channels that hold the parts of a second beside the time: together with its stamps whole seconds.
 
+    In a few rows a motion may be as much.
+
     Examples
     --------
     >>> stamps = 1_405_617_736 + np.arange(400) / 128
@@ -127,7 +129,7 @@ def parts_of_seconds(plan: ColumnPlan, columns: Mapping[str, RealArray], stamps:
     found: dict[str, Remark] = {}
     for name in plan.followers:
         values = columns[name]
-        if values.size != stamps.size or not values.size:
+        if values.size != stamps.size or values.size < MANY_ROWS:
             continue
         lowest, highest = float(np.min(values)), float(np.max(values))
         if not 0 <= lowest <= highest < 1 or highest - lowest < 0.5 or np.ptp(stamps) < 1:
