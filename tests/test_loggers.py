@@ -313,7 +313,13 @@ class TestLimitsOfWhatMeasuresNothing:
 
     @pytest.mark.parametrize(
         ("late", "size", "seconds", "is_part"),
-        [(0.0, 1.0, 5, True), (5e-3, 1.0, 5, False), (0.0, -1.0, 5, False), (0.0, 1.0, 0.6, False), (0.0, 1.0, 0, False)],
+        [
+            (0.0, 1.0, 5, True),
+            (5e-3, 1.0, 5, False),
+            (0.0, -1.0, 5, False),
+            (0.0, 1.0, 0.6, False),
+            (0.0, 1.0, 0, False),
+        ],
         ids=["fraction", "fraction of another clock", "below zero", "of less than a second", "of few rows"],
     )
     def test_parts_of_a_second(self, late: float, size: float, seconds: float, is_part: bool) -> None:

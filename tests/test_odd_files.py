@@ -1,5 +1,6 @@
 """Files whose units, stamps or rows mislead: ticks, packed numbers, rows that count, columns that are no motion."""
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -133,3 +134,26 @@ def test_a_unit_in_each_cell_is_said(tmp_path: Path) -> None:
     path.write_text("\n".join(['"Time","seat"', *rows]) + "\n", encoding="utf-8")
     with pytest.raises(suspid.RecordError, match="m/s²' has its unit behind it: write numbers alone"):
         suspid.read_recording(path)
+
+
+@pytest.mark.parametrize("run", [" ", "[", "(", "7", "/", "-1", "_"])
+def test_a_long_name_takes_no_longer_than_its_length(tmp_path: Path, run: str) -> None:
+    """An expression that tries each place of a name with each end takes minutes."""
+    path = table(tmp_path / "r.csv", [f"{t:.3f}" for t in TIME], names=f"Time,a{run * 100_000}b [m]")
+    started = time.process_time()
+    assert len(suspid.read_recording(path).channels) == 1
+    assert time.process_time() - started < 5
+
+
+def test_a_last_number_cut_behind_its_decimal_comma_is_said(tmp_path: Path) -> None:
+    rows = "".join(f"{t:.3f};{y:.5f}\n".replace(".", ",") for t, y in zip(TIME, SEAT, strict=True))
+    (tmp_path / "r.csv").write_text(f"Time;seat\n{rows}5,")
+    ((where, remark),) = suspid.read_recording(tmp_path / "r.csv").left_out
+    assert (where, str(remark)) == ("line 1002", "is cut short: it has 1 of 2 cells")
+
+
+def test_of_many_channels_that_stand_still_ten_are_named(tmp_path: Path) -> None:
+    rows = "".join(f"{t:.3f}{',0.1' * 40}\n" for t in TIME)
+    (tmp_path / "r.csv").write_text(f"Time,{','.join(f'c{k}' for k in range(40))}\n{rows}")
+    with pytest.raises(suspid.RecordError, match=r"'c9': constant at 0\.1; and 30 more$"):
+        suspid.read_record(tmp_path / "r.csv")

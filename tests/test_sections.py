@@ -114,3 +114,9 @@ def test_a_rate_above_the_first_section_holds_for_all(tmp_path: Path) -> None:
 def test_a_section_of_one_row_leaves_the_others(tmp_path: Path) -> None:
     recording = suspid.read_recording(runs(tmp_path, more="Run 4\nTime (s),z (mm)\n0.000,1.0\n"))
     assert [channel.values.size for channel in recording.channels] == [*COUNTS, 1]
+
+
+def test_more_sections_than_any_file_has_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text("t,z\n0,1\n" * 5001)
+    with pytest.raises(suspid.RecordError, match="has 5001 times the names of the columns, .* at most 5000 recordings"):
+        suspid.read_recording(tmp_path / "r.csv")

@@ -19,10 +19,10 @@ from suspid.identification.likelihood import bic_penalty, evaluate
 from suspid.identification.noise import WhiteNoise, noise_colour
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import about_the_axis
-from suspid.identification.selection import Selection, select
+from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.records import as_response
 from suspid.signals import as_signal
-from suspid.words import Level, Reason
+from suspid.words import Level, ModeCheck, Reason
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -368,18 +368,52 @@ class TestHarmonics:
         assert len(self.found(ratio, rate, share).modes) == 2
 
 
-@pytest.mark.parametrize(("count", "channels"), [(17, 3), (24, 12)])
-def test_many_modes_are_all_found(count: int, channels: int) -> None:
-    rng = np.random.default_rng(count)
-    time, wn, zeta = np.arange(6000) / 500, 2 * np.pi * np.geomspace(3.0, 200.0, count), 0.005
+def many_modes(
+    count: int, channels: int, *, noise: float, damped: tuple[float, float], seed: int = 2
+) -> tuple[control.TimeResponseData, Real]:
+    """Return a record of many modes, each in its share of the band, and their wn."""
+    rng = np.random.default_rng(seed)
+    time, places = np.arange(4000) / 500, (np.arange(count) + rng.uniform(0.3, 0.7, count)) / count
+    wn, zeta = 2 * np.pi * (5.0 + 208.0 * places), rng.uniform(*damped, count)
     poles = wn * (-zeta + 1j * np.sqrt(1 - zeta**2))
     residues = rng.standard_normal((channels, count)) + 1j * rng.standard_normal((channels, count))
     values = (residues @ np.exp(poles[:, None] * time)).real
-    noisy = values + 1e-3 * np.std(values) * rng.standard_normal(values.shape)
-    found = identify(as_response(time, noisy, [f"c{k}" for k in range(channels)])).modes
-    assert len(found) == count
-    ends = found.interval(1 - 1e-6).wn
-    assert np.all((ends[:, 0] < wn) & (wn < ends[:, 1]))
+    noisy = values + noise * np.std(values, axis=1, keepdims=True) * rng.standard_normal(values.shape)
+    return as_response(time, noisy, [f"c{k}" for k in range(channels)]), wn
+
+
+class TestManyModes:
+    @pytest.mark.parametrize(
+        ("count", "channels", "noise", "damped"),
+        [(17, 3, 1e-3, (5e-3, 5e-3)), (24, 12, 0.1, (2e-3, 1e-2)), (33, 12, 0.3, (2e-3, 1e-2))],
+    )
+    def test_all_are_found(self, count: int, channels: int, noise: float, damped: tuple[float, float]) -> None:
+        """In the noise of a sensor too, which soon is most of what has not been fitted yet."""
+        record, wn = many_modes(count, channels, noise=noise, damped=damped)
+        found = identify(record).modes
+        assert len(found) == count
+        ends = found.interval(1 - 1e-6).wn
+        assert np.all((ends[:, 0] < wn) & (wn < ends[:, 1]))
+
+    def test_more_than_are_looked_for_is_said(self) -> None:
+        record, wn = many_modes(MOST_PAIRS + 4, 6, noise=0.01, damped=(2e-3, 4e-3))
+        found = identify(record)
+        assert len(found.modes) < len(wn)
+        assert found.verdict.level is Level.DOUBTFUL
+        (said,) = [check.remark for check in found.verdict.checks if check.remark.code is ModeCheck.TOO_MANY]
+        assert said.numbers["most"] == MOST_PAIRS
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_driven_motion_is_not_followed_without_end(self, seed: int) -> None:
+        """Lines of a plate that turbulence drives: pairs follow its swelling and sinking."""
+        rng = np.random.default_rng(seed)
+        values = np.zeros((3, 4000))
+        for turn in np.linspace(0.2, 2.6, 24):
+            pole = np.exp(-0.004 + 1j * turn)
+            state = lfilter([1.0], [1.0, -2 * pole.real, abs(pole) ** 2], rng.standard_normal(6000))[2000:]
+            values += rng.standard_normal((3, 1)) * state
+        record = values - values.mean(axis=1, keepdims=True)
+        assert len(select(record, noise=WhiteNoise(least=np.full(3, 1e-22))).fit.poles.pairs) < 3
 
 
 class TestNearTheRealAxis:

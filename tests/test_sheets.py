@@ -85,6 +85,20 @@ class TestSheets:
             with pytest.raises(RecordError, match=r"r\.xlsx: is (damaged|empty)"):
                 read_recording(tmp_path / "r.xlsx")
 
+    @pytest.mark.parametrize(("row", "column", "gib"), [(1_048_576, 16_384, "512"), (20_000, 16_384, "9.77")])
+    def test_a_cell_far_from_the_others_is_refused(self, row: int, column: int, gib: str, tmp_path: Path) -> None:
+        """All cells between would be made: the library that reads them ends the program if there is no memory."""
+        path = written(tmp_path / "r.xlsx", {"run": ROWS})
+        book = openpyxl.load_workbook(path)
+        book["run"].cell(row, column, 1.0)
+        book.save(path)
+        with pytest.raises(RecordError, match=rf"lie {row} rows and {column} columns apart: .* {gib}.* GiB.*delete"):
+            read_recording(path)
+
+    def test_columns_far_to_the_right_are_read(self, tmp_path: Path) -> None:
+        path = written(tmp_path / "r.xlsx", {"run": [[*[None] * 200, *row] for row in ROWS]})
+        assert read_record(path).y.shape == (1, 60)
+
     def test_a_bomb_is_refused_before_it_is_unpacked(self, tmp_path: Path) -> None:
         path = written(tmp_path / "r.xlsx", {"run": ROWS})
         content = io.BytesIO(path.read_bytes())

@@ -14,7 +14,7 @@ from suspid.decays.doubts import clipped_samples, doubts_of, doubts_of_backgroun
 from suspid.decays.kinds import kind_of
 from suspid.decays.refusals import fits, refused
 from suspid.decays.starts import find_start
-from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried, with_all_motion
+from suspid.decays.trials import Trial, background_ratio, block_size, blocks_of, quiet_variance, tried, with_all_motion
 from suspid.decays.verification import verified
 from suspid.records import as_response
 from suspid.signals import Signal, block_means
@@ -114,25 +114,29 @@ class TestTrial:
 class TestNoiseOfARecording:
     def test_quiet_variance_is_below_that_of_white_noise(self) -> None:
         # Half of a low quantile over the stretches of the variance of means over 4 samples, 1 / 4.
-        found = quiet_variance(block_means(noise(1, 20000), 4), size=4, length=400, finest=np.zeros(2))
+        found = quiet_variance(block_means(noise(1, 20000), 4), size=4, blocks=blocks_of(400, 4), finest=np.zeros(2))
         assert np.all((found > 0.4 / 4) & (found < 0.5 / 4))
 
     def test_quiet_variance_is_that_beside_a_drift(self) -> None:
         """A fit takes a drift as a parabola: a sensor that warms up is no reason to leave motion to the noise."""
         drift = 30 * np.sin(2 * np.pi * np.arange(20000) / 40000)
         # Nor is a level far from zero.
-        found = quiet_variance(block_means(1e8 + noise(1, 20000) + drift, 4), size=4, length=400, finest=np.zeros(2))
+        found = quiet_variance(
+            block_means(1e8 + noise(1, 20000) + drift, 4), size=4, blocks=blocks_of(400, 4), finest=np.zeros(2)
+        )
         assert np.all((found > 0.4 / 4) & (found < 0.5 / 4))
 
     def test_quiet_variance_of_a_long_stretch_is_that_of_as_many_blocks_as_a_trial_has(self) -> None:
         """A stretch of minutes holds other events; the trial sees its first blocks alone."""
         values = noise(1, 60000)
         values[:, ::6000] += 300.0
-        found = quiet_variance(block_means(values, 4), size=4, length=12000, finest=np.zeros(2))
+        found = quiet_variance(block_means(values, 4), size=4, blocks=blocks_of(12000, 4), finest=np.zeros(2))
         assert np.all((found > 0.4 / 4) & (found < 0.5 / 4))
 
     def test_quiet_variance_of_a_short_recording_is_that_of_rounding(self) -> None:
-        found = quiet_variance(block_means(noise(1, 600), 4), size=4, length=400, finest=np.array([0.2, 0.4]))
+        found = quiet_variance(
+            block_means(noise(1, 600), 4), size=4, blocks=blocks_of(400, 4), finest=np.array([0.2, 0.4])
+        )
         np.testing.assert_allclose(found, [0.01, 0.04])
 
     def test_white_background_has_the_power_of_white_noise(self) -> None:
@@ -160,6 +164,16 @@ class TestNoiseOfARecording:
         assert abs(10 * np.log10(ratio[0] / expected)) < 4
         (doubt,) = doubts_of_background(block_means(values, 2), found, size=2, length=600)
         assert doubt.code is DecayDoubt.BACKGROUND
+
+    @pytest.mark.parametrize("quiet", [slice(0, 30_000), slice(170_000, 200_000)])
+    def test_a_long_recording_is_looked_at_evenly(self, quiet: slice) -> None:
+        """Of five hundred stretches some are: a road that is rough for most of the drive is so at either end."""
+        values = noise(6, 200_000)
+        values[:, quiet] *= 0.1
+        values[:, -400:] = 40 * decay(400) + 0.1 * noise(8, 400)
+        found = trial(values[:, -400:])
+        (ratio,) = background_ratio(block_means(values, 2), found, size=2, length=400)
+        assert ratio > 10
 
     def test_what_rings_on_from_earlier_releases_is_no_background(self) -> None:
         """Three releases, the later ones before the motion has met the noise: it moves at the mode most of the time."""

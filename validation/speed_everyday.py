@@ -95,7 +95,7 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
     path = folder / "rows.csv"
     table = np.column_stack([np.arange(LINES) / RATE, *three])
     np.savetxt(path, table, delimiter=",", header="time [s],a [m],b [m],c [m]", comments="", fmt="%.6g")
-    events = _events()
+    events, hour = _events(600_000), _events(3_600_000)
     members = make_records(folder / "fleet", 4)
     from validation.speed import decay
 
@@ -162,6 +162,7 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
             {"analyse, four times": lambda: [analyse(member).verdict for member in members]},
         ),
         ("ten minutes, 3 channels, 1 kHz", np.asarray(events.y), {"find_decays": partial(find_decays, events)}),
+        ("an hour, 3 channels, 1 kHz", np.asarray(hour.y), {"find_decays, all 62 of them": partial(find_decays, hour)}),
     ]
 
 
@@ -202,12 +203,12 @@ def _pandas(path: Path) -> object:
     return importlib.import_module("pandas").read_csv(path)
 
 
-def _events() -> Any:
-    """Return ten minutes in which the saloon is released ten times."""
-    rate, count = 1000.0, 600_000
+def _events(count: int) -> Any:
+    """Return a recording at 1 kHz in which the saloon is released every 58 s."""
+    rate = 1000.0
     once = np.asarray(free_decay(cars.SALOON, np.arange(8000) / rate, initial_state={"v_tire": 1.0}).y)
     values = 0.01 * np.std(once, axis=1)[:, None] * np.random.default_rng(0).standard_normal((len(once), count))
-    for first in range(10_000, 590_000, 58_000):
+    for first in range(10_000, count - 10_000, 58_000):
         values[:, first : first + 8000] += once
     return as_response(np.arange(count) / rate, values, [f"c{k}" for k in range(len(once))])
 

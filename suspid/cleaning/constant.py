@@ -11,7 +11,7 @@ from suspid.cleaning.sentinels import possible
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import RealArray
-from suspid.values import LARGEST_SIZE
+from suspid.values import LARGEST_SIZE, MOST_NAMES
 from suspid.words import Defect, Number, dead
 
 
@@ -79,4 +79,6 @@ def _dead(name: str, times: RealArray, samples: int, why: dict[str, Number], *, 
 
 
 def _nothing_moves(findings: Sequence[Finding]) -> str:
-    return f"no channel moves: {'; '.join(f'{f.channel!r}: {dead(f.remark.numbers)}' for f in findings)}"
+    said = [f"{f.channel!r}: {dead(f.remark.numbers)}" for f in findings[:MOST_NAMES]]
+    more = len(findings) - len(said)
+    return f"no channel moves: {'; '.join(said)}{f'; and {more} more' if more else ''}"

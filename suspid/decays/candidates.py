@@ -20,7 +20,7 @@ from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
 from suspid.decays.rests import decay_between, rests_until
 from suspid.decays.starts import Start, find_start
-from suspid.decays.trials import Trial, block_size, quiet_variance, tried, with_all_motion
+from suspid.decays.trials import Trial, block_size, blocks_of, quiet_variance, tried, with_all_motion
 from suspid.decays.verification import LATEST_START, verified
 from suspid.levels import ROUNDING
 from suspid.signals import Signal, block_means
@@ -62,6 +62,15 @@ class Channels:
     def means(self) -> Callable[[int], RealArray]:
         """Means over blocks of some samples, (channel, block)."""
         return cache(partial(block_means, self.signal.values))
+
+    @cached_property
+    def quiet(self) -> Callable[[int, int], RealArray]:
+        """Lower bounds of the variance of noise in the means over blocks of some samples, in stretches of some."""
+
+        def of(size: int, blocks: int) -> RealArray:
+            return quiet_variance(self.means(size), size=size, blocks=blocks, finest=self.finest)
+
+        return cache(of)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,7 +168,7 @@ def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = F
         # What drove the motion is no noise of a decay that is alone.
         least = chosen.finest**2 / size
         if not alone:
-            least = quiet_variance(chosen.means(size), size=size, length=last - first, finest=chosen.finest)
+            least = chosen.quiet(size, blocks_of(last - first, size))
         if moved:
             finest, latest = chosen.finest, LATEST_ALONE if fills else LATEST_START
             start = find_start(part, least, burst, first, last, size, clipped, finest, latest=latest)

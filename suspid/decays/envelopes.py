@@ -28,6 +28,9 @@ QUIET_QUANTILE = 0.25
 # An event begins at this factor in power above the threshold that Gaussian noise alone is `UNLIKELY` to pass anywhere
 # in the record. It allows for noise that is not Gaussian, such as rolling on a road.
 MARGIN = 4.0
+# Length of the transform of a band, in points of the envelope: of a longer one, samples apart are enough. Half as long,
+# it has no sample at the points.
+POINTS_FOLDED = 4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -78,10 +81,14 @@ def envelopes(signal: Signal, quantum: RealArray | None = None) -> Envelopes:
         spectrum = _mirrored(samples)
         for band, centre in enumerate(centres):
             low, window, length = _window(2 * count * centre * signal.step, count)
+            # Of many samples between two points, every ``apart``-th tells as much.
+            folded = POINTS_FOLDED * points
+            apart = -(-length // folded) if length > folded else 1
+            length = folded * apart if apart > 1 else length
             white = 2 * count * float(window @ window) / length**2
-            place = (at + 0.5) * (length / (2 * count))
-            before = np.minimum(place.astype(int), length // 2 - 1)
-            power = _power(spectrum[low : low + len(window)], window, length)
+            place = (at + 0.5) * (length / (2 * count) / apart)
+            before = np.minimum(place.astype(int), length // (2 * apart) - 1)
+            power = _power(spectrum[low : low + len(window)], window, length, apart)
             floor = max(background(power), white * least**2, 1e-300)
             here = power[before] + (place - before) * (power[before + 1] - power[before])
             np.maximum(levels[band], 10 * np.log10(np.maximum(here / floor, 1e-9)), out=levels[band])
@@ -196,16 +203,20 @@ def _window(centre: float, count: int) -> tuple[int, RealArray, int]:
     return low, window, 2 * int(next_fast_len(len(window), real=True))
 
 
-def _power(bins: RealArray, window: RealArray, length: int) -> RealArray:
-    """Return the squared envelope of a band at the rate that it needs.
+def _power(bins: RealArray, window: RealArray, length: int, apart: int) -> RealArray:
+    """Return the squared envelope of a band at the rate that it needs, or samples of it that many ``apart``.
 
-    The envelope of a mirrored record is even in time, so a real transform gives all of it.
+    The envelope of a mirrored record is even in time, so a real transform gives all of it. That of bins folded over
+    a part of the length gives samples that lie apart.
     """
     from scipy.fft import rfft
 
     # In place: of a long record each copy counts.
-    band = np.zeros(length)
-    np.multiply(bins, window, out=band[: len(window)])
+    size = length // apart
+    band = np.zeros(size)
+    for first in range(0, len(window), size):
+        part = slice(first, min(first + size, len(window)))
+        band[: part.stop - first] += bins[part] * window[part]
     envelope = rfft(band, overwrite_x=True)
     del band
     real, imag = envelope.real, envelope.imag

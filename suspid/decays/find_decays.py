@@ -27,8 +27,8 @@ from suspid.units import Hertz, Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
 
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
-# search. Higher numbers find more of the weak decays of a long drive; each costs about a second.
-MOST_BURSTS, MOST_IN_VAIN = 16, 8
+# search. Higher numbers find more of the weak decays of a long drive; each costs a tenth of a second.
+MOST_BURSTS, MOST_IN_VAIN = 200, 8
 # With at most this many events, none of them a decay, the whole record may be one.
 FEW_BURSTS = 4
 

@@ -45,6 +45,9 @@ QUIET_SHARE, FEWEST_STRETCHES = 0.5, 4
 # Quantile of the power over the stretches that counts as background. The median is too high where decays fill half of
 # the recording.
 CALM = 0.2
+# Stretches that are looked at for it, at most, evenly over the recording: more tell no more, and take as long for each
+# decay as the recording is long.
+MOST_CALM = 256
 # Share of a mode's own course that is left beside the free motion of all, below which a background is not told.
 LEAST_BESIDE_FREE = 1e-9
 # Order of the polynomial that a drift is within a stretch as long as a decay.
@@ -161,15 +164,18 @@ def with_all_motion(values: RealArray, size: int) -> int:
     return size
 
 
-def quiet_variance(means: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:
+def blocks_of(length: int, size: int) -> int:
+    """Return how many blocks of ``size`` samples of a stretch tell how quiet the recording is."""
+    return max(min(length // size, MOST_BLOCKS), FEWEST_SAMPLES)
+
+
+def quiet_variance(means: RealArray, *, size: int, blocks: int, finest: RealArray) -> RealArray:
     """Return a lower bound of the variance of the noise in the means over blocks of ``size`` samples, (channel,).
 
     The means are those of the recording, (channel, block), from `block_means`. The bound is `QUIET_SHARE` of a low
-    quantile over stretches of the recording of ``length`` samples, or of `MOST_BLOCKS`, beside a parabola: a fit takes
-    drifts as one. It is at least the variance of the rounding and quantisation error, whose standard deviation is
-    ``finest``.
+    quantile over stretches of the recording of a number of ``blocks``, beside a parabola: a fit takes drifts as one. It
+    is at least the variance of the rounding and quantisation error, whose standard deviation is ``finest``.
     """
-    blocks = max(min(length // size, MOST_BLOCKS), FEWEST_SAMPLES)
     stretches = means.shape[1] // blocks
     least = finest**2 / size
     if stretches < FEWEST_STRETCHES:
@@ -205,17 +211,27 @@ def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) 
     drift = np.linspace(-1.0, 1.0, blocks) ** np.arange(1 + DRIFT_ORDER)[:, None]
     free = np.linalg.qr(np.stack([*courses.real, *courses.imag, *drift], axis=1))[0]
     forced = turns - free @ (free.T @ turns)
-    # Stretches overlap by half, so that some lie between two releases.
-    laps = [means[:, first:] for first in (0, blocks // 2)]
-    parts = (lap[:, : lap.shape[1] // blocks * blocks].reshape(len(means), -1, blocks) for lap in laps)
-    power = np.concatenate([np.abs(part @ forced) ** 2 for part in parts], axis=1)
     left = np.sum(np.abs(forced) ** 2, axis=0)
     told = left > LEAST_BESIDE_FREE * np.sum(np.abs(turns) ** 2, axis=0)
-    white = trial.noise_std[:, None] ** 2 * np.where(told, left, 1.0)
-    # The power of noise is exponentially distributed.
-    ratio = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
-    strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
-    return np.where(told, ratio[strongest, np.arange(len(rows))], 1.0)
+    ratio, strongest = np.ones(len(rows)), np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
+    for channel in np.unique(strongest[told]):
+        seen = np.flatnonzero(told & (strongest == channel))
+        # Real products: the samples are not copied as complex numbers.
+        both = np.concatenate([forced.real[:, seen], forced.imag[:, seen]], axis=1)
+        # Stretches overlap by half, so that some lie between two releases.
+        laps = [means[channel, first:] for first in (0, blocks // 2)]
+        parts = [_evenly(lap[: len(lap) // blocks * blocks].reshape(-1, blocks)) @ both for lap in laps]
+        power = np.concatenate(parts) ** 2
+        power = power[:, : len(seen)] + power[:, len(seen) :]
+        # The power of noise is exponentially distributed.
+        quiet = np.quantile(power, CALM, axis=0) / -np.log1p(-CALM)
+        ratio[seen] = quiet / (trial.noise_std[channel] ** 2 * left[seen])
+    return ratio
+
+
+def _evenly(stretches: RealArray) -> RealArray:
+    """Return some of many stretches, (stretch, block), evenly over the recording."""
+    return stretches[:: -(-len(stretches) // MOST_CALM)]
 
 
 def tried(

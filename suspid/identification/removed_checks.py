@@ -44,6 +44,14 @@ def check_removed(found: Identification, reason: Reason, check: ModeCheck, level
     yield from _named([c.pole for c in removed_as(found.considered, reason)], check, level)
 
 
+def check_too_many(found: Identification) -> Iterator[Check]:
+    """Check that the search for modes did not end before all were found."""
+    for one in found.considered:
+        if one.remark.code is Reason.TOO_MANY:
+            numbers = {"most": one.remark.numbers["most"], "hertz": in_hertz([one.pole])}
+            yield check_of(ModeCheck.TOO_MANY, Level.DOUBTFUL, numbers)
+
+
 def _named(poles: Sequence[complex], check: ModeCheck, level: Level) -> Iterator[Check]:
     if poles:
         yield check_of(check, level, {"number": len(poles), "hertz": in_hertz(poles)})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate, Points, ranked, searched
 from suspid.identification.classification import ambiguous, reasons_of
 from suspid.identification.division import divided, unresolved
-from suspid.identification.exponentials import blocks_of, inner_products
+from suspid.identification.exponentials import blocks_of, project
 from suspid.identification.fitting import OTHER_FREQUENCY, Fit, Problem, linewidths_apart
 from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
@@ -21,8 +22,9 @@ from suspid.words import Reason, Remark
 
 # The largest number of pairs: a bound on time and memory for records that no number of poles explains.
 MOST_PAIRS = 50
-# From `MANY_PAIRS` on, more are tried only while the first half of the residual has `DYING` times the energy of the
-# second. Coloured noise and driven motion, which pairs without end follow, have as much in both.
+# From `MANY_PAIRS` on, more are tried only while the first half of the residual has `DYING` times as much of what would
+# decay as the second, read backwards, has. Coloured noise and driven motion, which pairs without end follow, have as
+# much in both.
 MANY_PAIRS, DYING = 16, 2.0
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
@@ -156,6 +158,8 @@ def _found(problem: Problem, most: int) -> tuple[Fit, Rejected]:
         if not again:
             seen = searched(fit.solution, fit.residual, fit.variance)
             found = ranked(fit.solution, fit.variance, seen)
+        if fit.poles.free >= 2 * MANY_PAIRS and not _dies_away(problem, fit, found):
+            break
         better, lost = _extended(problem, fit, found, most)
         rejected += lost
         better = divided(problem, fit) if better is None else better
@@ -163,22 +167,41 @@ def _found(problem: Problem, most: int) -> tuple[Fit, Rejected]:
             break
         fit, lost = straightened(problem, about_the_axis(problem, better, CREEPING), STILL)
         rejected, seen = rejected + lost, None if again else seen
-    return fit, rejected
+    return fit, rejected + (_beyond(problem, fit) if len(fit.poles.pairs) >= MOST_PAIRS else ())
+
+
+def _beyond(problem: Problem, fit: Fit) -> Rejected:
+    """Return the best of the candidates that would gain more than their penalty, where no more pairs are fitted."""
+    found = ranked(fit.solution, fit.variance, searched(fit.solution, fit.residual, fit.variance))
+    penalty = problem.penalty(real=False)
+    best = next((c for c in found if not c.real and c.gain > penalty), None)
+    numbers = {"most": MOST_PAIRS, "gain": best.gain, "needed": penalty} if best else {}
+    return ((best, Remark(Reason.TOO_MANY, numbers)),) if best else ()
 
 
 def _may_grow(fit: Fit, most: int) -> bool:
-    """Return whether more pairs are tried: beyond `MANY_PAIRS` only while the residual dies away as a decay does.
+    """Return whether there may be more pairs: one must leave more samples than there are unknowns.
 
-    Another pair must leave more samples than there are unknowns: as many are followed exactly, whatever they are.
+    As many are followed exactly, whatever they are.
     """
     channels, count = fit.residual.shape
-    if fit.poles.free + 2 + channels * (len(fit.poles) + 2) >= channels * count:
-        return False
-    if fit.poles.free < 2 * MANY_PAIRS or fit.poles.free >= 2 * most:
-        return fit.poles.free < 2 * most
-    half = fit.residual.shape[1] // 2
-    first, second = (inner_products(part, part) for part in (fit.residual[:, :half], fit.residual[:, half:]))
-    return bool(np.sum(first / fit.variance) > DYING * np.sum(second / fit.variance))
+    unknowns = fit.poles.free + 2 + channels * (len(fit.poles) + 2)
+    return unknowns < channels * count and fit.poles.free < 2 * most
+
+
+def _dies_away(problem: Problem, fit: Fit, found: Sequence[Candidate]) -> bool:
+    """Return whether the residual dies away as those candidates do that would gain more than their penalty.
+
+    A residual that does not has as much of them from its end backwards.
+    """
+    penalty, half = problem.penalty(real=False), fit.residual.shape[1] // 2
+    likely = np.array([c.theta for c in found if c.gain > penalty])
+    if not likely.size:
+        return True
+    # What lasts for a few samples is drowned by the noise of a half, unless late samples count less.
+    halves = (fit.residual[:, :half], fit.residual[:, : -half - 1 : -1])
+    first, second = (np.sum(np.abs(project(part, likely)[0]) ** 2 / fit.variance) for part in halves)
+    return bool(first > DYING * second)
 
 
 def _refined(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, RealArray, Rejected]:
@@ -202,7 +225,8 @@ def _extended(problem: Problem, fit: Fit, found: list[Candidate], most: int) -> 
     if together is not None:
         return together, ()
     rejected: Rejected = ()
-    for candidate in found[:CANDIDATES_TRIED]:
+    # Among many modes, broad poles stand for several at first: what is next to one of them is then no part of it.
+    for candidate in found[: CANDIDATES_TRIED if fit.poles.free < 2 * MANY_PAIRS else None]:
         penalty = problem.penalty(real=candidate.real)
         # Refitting the other poles adds less than the rest. A lower share costs time.
         if candidate.gain < 0.7 * penalty:

@@ -33,7 +33,14 @@ from suspid.identification.mode_checks import (
 )
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
-from suspid.identification.removed_checks import check_dropped, check_growing, check_removed, check_tones, in_hertz
+from suspid.identification.removed_checks import (
+    check_dropped,
+    check_growing,
+    check_removed,
+    check_tones,
+    check_too_many,
+    in_hertz,
+)
 from suspid.levels import LEVEL
 from suspid.records import late_start
 from suspid.samples import held
@@ -109,6 +116,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_cycles(found)
     yield from check_multiples(found)
     yield from check_resolution(found)
+    yield from check_too_many(found)
     yield from check_removed(found, Reason.TRACE, ModeCheck.TRACES, Level.CARE)
     yield from check_parts(found)
     yield from check_rows(found)

@@ -16,8 +16,6 @@ from suspid.recordings import RawChannel
 SEPARATORS = re.compile(r"(?:(?<!\d)[.:/|]|[.:/|](?!\d))\s*")
 # Names that number tests; channels of such groups may share a clock.
 NUMBERED = re.compile(rf"{NUMBERED_TEST}|.*\[\d+\]", re.I)
-# A number at the end of the name of a channel.
-LAST_NUMBER = re.compile(r"(.*?)[\W_]*(\d+)")
 # Clocks of one pace that end this far apart, in the length of the longest and in its steps, are those of several tests;
 # sensors of one test end together. Clocks whose mean steps differ by more than this share are not of one pace.
 ENDS_APART, STEPS_APART, PACES_APART = 0.02, 10, 0.2
@@ -77,7 +75,7 @@ def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
     >>> runs_by_clock([channel("free", 900, "m"), channel("damped", 500, "V")])
     {}
     """
-    found = {channel.name: LAST_NUMBER.fullmatch(bare_name(channel.name)) for channel in channels}
+    found = {channel.name: _last_number(bare_name(channel.name)) for channel in channels}
     of: dict[str, str] = {}
     stems: dict[str, set[str]] = {}
     clocks: dict[str, set[int]] = {}
@@ -86,7 +84,7 @@ def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
         return {}
     for channel in channels:
         match = found[channel.name]
-        stem, test = ("", bare_name(channel.name)) if named or match is None else (match[1], match[2])
+        stem, test = ("", bare_name(channel.name)) if named or match is None else match
         of[channel.name] = test
         stems.setdefault(test, set()).add(stem)
         clocks.setdefault(test, set()).add(id(channel.timepts))
@@ -102,6 +100,24 @@ def runs_by_clock(channels: Sequence[RawChannel]) -> dict[str, str]:
     apart = max(least * float(np.max(ends - starts)), STEPS_APART * float(np.max(steps)))
     together = np.ptp(starts) < apart and np.ptp(steps) < PACES_APART * np.max(steps)
     return of if together and np.ptp(ends) > apart else {}
+
+
+def _last_number(name: str) -> tuple[str, str] | None:
+    """Return what stands before the number that ends a name, and the number; None without one.
+
+    Examples
+    --------
+    >>> _last_number("seat_12"), _last_number("7"), _last_number("seat 1 b")
+    (('seat', '12'), ('', '7'), None)
+    """
+    # From the end on: an expression tries every place of a long name.
+    start = len(name)
+    while start and name[start - 1].isdecimal():
+        start -= 1
+    stop = start
+    while stop and not name[stop - 1].isalnum():
+        stop -= 1
+    return (name[:stop], name[start:]) if start < len(name) else None
 
 
 def of_test(channel: RawChannel, test: str) -> RawChannel:
@@ -123,7 +139,6 @@ def _parts(name: str) -> Sequence[str]:
 
 def _without_common(parts: Mapping[str, Sequence[str]]) -> dict[str, Sequence[str]]:
     """Return the parts of names without the first ones that all have."""
-    found = dict(parts)
-    while found and all(len(one) > 1 for one in found.values()) and len({one[0] for one in found.values()}) == 1:
-        found = {name: one[1:] for name, one in found.items()}
-    return found
+    most = min(map(len, parts.values()), default=0) - 1
+    common = next((k for k in range(most) if len({one[k] for one in parts.values()}) > 1), max(most, 0))
+    return {name: one[common:] for name, one in parts.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,12 +14,16 @@ from typing import Any, TypeGuard
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
-from suspid.io.limits import check_memory
+from suspid.io.limits import check_memory, most_bytes
 from suspid.io.tables import Table
 from suspid.io.text.cells import kind_of
 from suspid.io.text.delimited import table_of_text
 from suspid.words import LeftOut, Remark
 
+# Rows of a sheet in a zipped spreadsheet, and the columns of their cells, as it names them.
+SHEET_ROW, SHEET_COLUMN = re.compile(rb'<row[^<>]*? r="(\d{1,7})"'), re.compile(rb'<c[^<>]*? r="([A-Z]{1,3})\d')
+# Memory that a cell takes, whether it is filled or not [bytes]: all between the first one and the last are made.
+CELL_BYTES = 32
 # Whole numbers below this have all their digits in text without decimals.
 ALL_DIGITS = 1e15
 
@@ -44,6 +49,9 @@ def _sheets(content: bytes) -> dict[str, list[list[Any]]]:
     if zipfile.is_zipfile(io.BytesIO(content)):
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             check_memory(sum(entry.file_size for entry in archive.infolist()), len(content))
+            for entry in archive.infolist():
+                if entry.filename.startswith("xl/worksheets/"):
+                    _refuse_far_cells(archive.read(entry), len(content))
     with CalamineWorkbook.from_filelike(io.BytesIO(content)) as book:
         every = [sheet for sheet in book.sheets_metadata if sheet.typ == SheetTypeEnum.WorkSheet]
         shown = [sheet for sheet in every if sheet.visible == SheetVisibleEnum.Visible] or every
@@ -53,6 +61,38 @@ def _sheets(content: bytes) -> dict[str, list[list[Any]]]:
             above = sheet.start[0] if sheet.start else 0
             out[one.name] = [[] for _ in range(above)] + sheet.to_python()
     return out
+
+
+def _refuse_far_cells(sheet: bytes, size: int) -> None:
+    """Refuse a sheet of a file of a size with so few cells so far apart that all between would take too much memory."""
+    rows, columns = cells_between(sheet)
+    wanted = CELL_BYTES * rows * columns
+    if wanted > most_bytes(size):
+        raise RecordError(
+            f"has a sheet whose first and last cell lie {rows} rows and {columns} columns apart: all between would "
+            f"take {wanted / 2**30:.3g} GiB of memory, of a file of {size} bytes; delete the cells far from the samples"
+        )
+
+
+def cells_between(sheet: bytes) -> tuple[int, int]:
+    """Return how many rows and columns lie between the first cell of a sheet and the last.
+
+    Examples
+    --------
+    >>> cells_between(b'<row r="2"><c r="B2"><v>1</v></c></row><row r="9"><c r="AA9"/></row>')
+    (8, 26)
+    """
+    rows = [int(row) for row in SHEET_ROW.findall(sheet)]
+    columns = [_number_of(name) for name in set(SHEET_COLUMN.findall(sheet))]
+    return (max(rows) - min(rows) + 1, max(columns) - min(columns) + 1) if rows and columns else (0, 0)
+
+
+def _number_of(column: bytes) -> int:
+    """Return the number of a column, from 1, by its letters."""
+    number = 0
+    for letter in column:
+        number = 26 * number + letter - ord("A") + 1
+    return number
 
 
 def text_of(rows: Sequence[Sequence[Any]]) -> bytes:

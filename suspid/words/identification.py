@@ -327,6 +327,11 @@ class ModeCheck(Code):
         "The candidate bandwidths are used only for the scalogram and the skeletons: these modes were found by "
         "likelihood; method 'ridge' finds them with the wavelet.",
     )
+    TOO_MANY = (
+        "too many",
+        "The search for modes ended at {most} pairs of poles, and at least one more ({hertz} Hz) stands out: those "
+        "found are bent by what is not fitted, and some are missing. Filter the record to a band with fewer modes.",
+    )
     TRACES = (
         "traces",
         sentence(

@@ -72,6 +72,10 @@ class Reason(Code):
         "possibly a second mode close to another: gain {gain:.3g}, {needed:.3g} and a different shape required",
     )
     TOO_WEAK = "too weak", "not significant: gain {gain:.3g}, {needed:.3g} required"
+    TOO_MANY = (
+        "too many",
+        "one more than the {most} pairs of poles that are looked for: gain {gain:.3g}, {needed:.3g} required",
+    )
     NOT_SIGNIFICANT = (
         "not significant",
         "not significant: gain {times:.2g} × the BIC penalty, {needed:g} × required near this residual",

@@ -55,6 +55,8 @@ FRAME = re.compile(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-F]{3,8}#", re.I)
 AS_FORMULA = re.compile(rb'(^|[,;\t])="', re.M)
 # Hours and minutes, in a cell that is no time of day as a whole.
 OF_CLOCK = re.compile(r"\d:\d\d")
+# Most recordings, one below the other, that a file is read with.
+MOST_SECTIONS = 5000
 # The beginning in which header and layout are looked for. A larger one costs time, a smaller one misses long headers.
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 
@@ -138,6 +140,11 @@ def _of_sections(
     text: bytes, sections: Sequence[tuple[int, int]], layout: Layout, inserted: int, *, ends_within: bool
 ) -> Table:
     """Return the table of a text whose sections begin where they do (see `sections_of`), with a table of each."""
+    if len(sections) > MOST_SECTIONS:
+        raise RecordError(
+            f"has {len(sections)} times the names of the columns, each above rows of its own; at most {MOST_SECTIONS} "
+            f"recordings in one file are read: save them in files of their own"
+        )
     parts, lines, again, said = list[Table](), -inserted, list[int](), dict[str, Remark]()
     for (start, names), (stop, _) in itertools.pairwise([*sections, (len(text), 0)]):
         line = lines + text.count(b"\n", start, names) + 1

@@ -253,7 +253,8 @@ def _why(text: str, layout: Layout, line: int, last: int) -> Remark:
     if dialect.is_comment(text):
         return Remark(LeftOut.COMMENT, {"line": shortened(text)})
     cells = dialect.cells(text)
-    samples = kind_of(cells[0], comma=dialect.comma) in ("number", "stamp")
+    # A number may be cut off behind its decimal sign.
+    samples = kind_of(cells[0].rstrip(",."), comma=dialect.comma) in ("number", "stamp")
     if line < last or (samples and len(cells) > width):
         found = f"has {len(cells)} cells, the rows above have {width} ({dialect})"
         found = found if len(cells) != width else "contains no number"
