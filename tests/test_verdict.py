@@ -535,7 +535,7 @@ class TestRepeats:
 class TestWords:
     @pytest.mark.parametrize("code", list(Reason))
     def test_every_reason_has_words(self, code: Reason) -> None:
-        sizes: dict[str, Number] = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4}
+        sizes: dict[str, Number] = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4, "most": 50}
         numbers: dict[str, Number] = {**sizes, "mode": 1, "multiple": 2, "other": 2, "word": "sum"}
         assert str(Remark(code, {**numbers, "unlike": 4, "others": 5}))
 
