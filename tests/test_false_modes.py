@@ -134,3 +134,9 @@ def test_a_stop_is_looked_through_without_a_word_of_numpy() -> None:
     time, values = no_decay.braking(np.random.default_rng(760_025))
     found = analyse(as_response(time, values, [f"y{k}" for k in range(len(values))]))
     assert not len(found.modes) or found.verdict.level <= Level.DOUBTFUL
+
+
+@pytest.mark.slow
+def test_pairs_that_few_samples_leave_room_for_are_no_decay() -> None:
+    """Sixteen pairs and more follow a hundred samples of a syllable, and the best of many candidates begins with it."""
+    assert not no_decay.outcome("speech-like modulation", 760012)[2]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate, Points, ranked, searched
 from suspid.identification.classification import ambiguous, reasons_of
 from suspid.identification.division import divided, unresolved
-from suspid.identification.exponentials import blocks_of, project
+from suspid.identification.exponentials import blocks_of, inner_products, project
 from suspid.identification.fitting import OTHER_FREQUENCY, Fit, Problem, linewidths_apart
 from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
@@ -26,6 +26,8 @@ MOST_PAIRS = 50
 # decay as the second, read backwards, has. Coloured noise and driven motion, which pairs without end follow, have as
 # much in both.
 MANY_PAIRS, DYING = 16, 2.0
+# With fewer samples to each unknown, candidates are large in the first half by choice: there its energy decides.
+SAMPLES_EACH = 10
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
 # candidate is also accepted from the previous search.
@@ -185,8 +187,12 @@ def _may_grow(fit: Fit, most: int) -> bool:
     As many are followed exactly, whatever they are.
     """
     channels, count = fit.residual.shape
-    unknowns = fit.poles.free + 2 + channels * (len(fit.poles) + 2)
-    return unknowns < channels * count and fit.poles.free < 2 * most
+    return _unknowns(fit) + 2 * (channels + 1) < channels * count and fit.poles.free < 2 * most
+
+
+def _unknowns(fit: Fit) -> int:
+    """Return the number of real parameters of poles and amplitudes."""
+    return fit.poles.free + len(fit.residual) * len(fit.poles)
 
 
 def _dies_away(problem: Problem, fit: Fit, found: Sequence[Candidate]) -> bool:
@@ -194,12 +200,15 @@ def _dies_away(problem: Problem, fit: Fit, found: Sequence[Candidate]) -> bool:
 
     A residual that does not has as much of them from its end backwards.
     """
-    penalty, half = problem.penalty(real=False), fit.residual.shape[1] // 2
-    likely = np.array([c.theta for c in found if c.gain > penalty])
+    half = fit.residual.shape[1] // 2
+    halves = (fit.residual[:, :half], fit.residual[:, : -half - 1 : -1])
+    if fit.residual.size < SAMPLES_EACH * _unknowns(fit):
+        first, second = (np.sum(inner_products(part, part) / fit.variance) for part in halves)
+        return bool(first > DYING * second)
+    likely = np.array([c.theta for c in found if c.gain > problem.penalty(real=False)])
     if not likely.size:
         return True
     # What lasts for a few samples is drowned by the noise of a half, unless late samples count less.
-    halves = (fit.residual[:, :half], fit.residual[:, : -half - 1 : -1])
     first, second = (np.sum(np.abs(project(part, likely)[0]) ** 2 / fit.variance) for part in halves)
     return bool(first > DYING * second)
 
