@@ -27,7 +27,7 @@ MOST_PAIRS = 50
 # much in both.
 MANY_PAIRS, DYING = 16, 2.0
 # With fewer samples to each unknown, candidates are large in the first half by choice: there its energy decides.
-SAMPLES_EACH = 10
+ROOM_FOR_CHOICE = 10
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
 # candidate is also accepted from the previous search.
@@ -202,7 +202,7 @@ def _dies_away(problem: Problem, fit: Fit, found: Sequence[Candidate]) -> bool:
     """
     half = fit.residual.shape[1] // 2
     halves = (fit.residual[:, :half], fit.residual[:, : -half - 1 : -1])
-    if fit.residual.size < SAMPLES_EACH * _unknowns(fit):
+    if fit.residual.size < ROOM_FOR_CHOICE * _unknowns(fit):
         first, second = (np.sum(inner_products(part, part) / fit.variance) for part in halves)
         return bool(first > DYING * second)
     likely = np.array([c.theta for c in found if c.gain > problem.penalty(real=False)])
