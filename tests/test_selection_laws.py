@@ -374,15 +374,30 @@ def many_modes(
     """Return a record of many modes, each in its share of the band, and their wn."""
     rng = np.random.default_rng(seed)
     time, places = np.arange(4000) / 500, (np.arange(count) + rng.uniform(0.3, 0.7, count)) / count
-    wn, zeta = 2 * np.pi * (5.0 + 208.0 * places), rng.uniform(*damped, count)
+    wn, zeta = 2 * np.pi * (5.0 + 207.5 * places), rng.uniform(*damped, count)
     poles = wn * (-zeta + 1j * np.sqrt(1 - zeta**2))
-    residues = rng.standard_normal((channels, count)) + 1j * rng.standard_normal((channels, count))
+    residues = rng.standard_normal((channels, count)).astype(complex)
+    # Of real shapes, or of any.
+    residues += 1j * rng.standard_normal((channels, count)) if rng.random() < 0.5 else 0.0
     values = (residues @ np.exp(poles[:, None] * time)).real
     noisy = values + noise * np.std(values, axis=1, keepdims=True) * rng.standard_normal(values.shape)
     return as_response(time, noisy, [f"c{k}" for k in range(channels)]), wn
 
 
 class TestManyModes:
+    @pytest.mark.parametrize(("count", "channels"), [(17, 3), (24, 12)])
+    def test_all_are_found_that_are_ever_farther_apart(self, count: int, channels: int) -> None:
+        rng = np.random.default_rng(count)
+        time, wn, zeta = np.arange(6000) / 500, 2 * np.pi * np.geomspace(3.0, 200.0, count), 0.005
+        poles = wn * (-zeta + 1j * np.sqrt(1 - zeta**2))
+        residues = rng.standard_normal((channels, count)) + 1j * rng.standard_normal((channels, count))
+        values = (residues @ np.exp(poles[:, None] * time)).real
+        noisy = values + 1e-3 * np.std(values) * rng.standard_normal(values.shape)
+        found = identify(as_response(time, noisy, [f"c{k}" for k in range(channels)])).modes
+        assert len(found) == count
+        ends = found.interval(1 - 1e-6).wn
+        assert np.all((ends[:, 0] < wn) & (wn < ends[:, 1]))
+
     @pytest.mark.parametrize(
         ("count", "channels", "noise", "damped"),
         [(17, 3, 1e-3, (5e-3, 5e-3)), (24, 12, 0.1, (2e-3, 1e-2)), (33, 12, 0.3, (2e-3, 1e-2))],
@@ -394,6 +409,11 @@ class TestManyModes:
         assert len(found) == count
         ends = found.interval(1 - 1e-6).wn
         assert np.all((ends[:, 0] < wn) & (wn < ends[:, 1]))
+
+    def test_broad_poles_that_stand_for_several_do_not_end_the_search(self) -> None:
+        """What is next to one of them looks like a part of it, and is the best candidate."""
+        record, wn = many_modes(40, 12, noise=10**-0.5, damped=(2e-3, 1e-2), seed=50)
+        assert len(identify(record).modes) >= len(wn) - 1
 
     def test_more_than_are_looked_for_is_said(self) -> None:
         record, wn = many_modes(MOST_PAIRS + 4, 6, noise=0.01, damped=(2e-3, 4e-3))

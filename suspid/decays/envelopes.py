@@ -83,7 +83,7 @@ def envelopes(signal: Signal, quantum: RealArray | None = None) -> Envelopes:
             low, window, length = _window(2 * count * centre * signal.step, count)
             # Of many samples between two points, every ``apart``-th tells as much.
             folded = POINTS_FOLDED * points
-            apart = -(-length // folded) if length > folded else 1
+            apart = -(-length // folded)
             length = folded * apart if apart > 1 else length
             white = 2 * count * float(window @ window) / length**2
             place = (at + 0.5) * (length / (2 * count) / apart)
@@ -211,12 +211,12 @@ def _power(bins: RealArray, window: RealArray, length: int, apart: int) -> RealA
     """
     from scipy.fft import rfft
 
-    # In place: of a long record each copy counts.
     size = length // apart
     band = np.zeros(size)
     for first in range(0, len(window), size):
         part = slice(first, min(first + size, len(window)))
         band[: part.stop - first] += bins[part] * window[part]
+    # In place: of a long record each copy counts.
     envelope = rfft(band, overwrite_x=True)
     del band
     real, imag = envelope.real, envelope.imag

@@ -26,7 +26,8 @@ MOST_PAIRS = 50
 # decay as the second, read backwards, has. Coloured noise and driven motion, which pairs without end follow, have as
 # much in both.
 MANY_PAIRS, DYING = 16, 2.0
-# With fewer samples to each unknown, candidates are large in the first half by choice: there its energy decides.
+# With fewer samples to each unknown, the best of many candidates is large in the first half by choice: there the energy
+# of the residual decides.
 ROOM_FOR_CHOICE = 10
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
@@ -177,8 +178,9 @@ def _beyond(problem: Problem, fit: Fit) -> Rejected:
     found = ranked(fit.solution, fit.variance, searched(fit.solution, fit.residual, fit.variance))
     penalty = problem.penalty(real=False)
     best = next((c for c in found if not c.real and c.gain > penalty), None)
-    numbers = {"most": MOST_PAIRS, "gain": best.gain, "needed": penalty} if best else {}
-    return ((best, Remark(Reason.TOO_MANY, numbers)),) if best else ()
+    if best is None:
+        return ()
+    return ((best, Remark(Reason.TOO_MANY, {"most": MOST_PAIRS, "gain": best.gain, "needed": penalty})),)
 
 
 def _may_grow(fit: Fit, most: int) -> bool:
