@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from suspid import (
     clean,
     find_decays,
     free_decay,
+    full_car,
     identify,
     read_recording,
     statespace,
@@ -60,6 +62,34 @@ def random_car(seed: int) -> control.TimeResponseData:
     return released(cars.random_car(np.random.default_rng(seed)), 30.0 + 5 * seed, v_tire=1.0)
 
 
+def heavy_full_car(seed: int) -> control.TimeResponseData:
+    """Return seven heavily damped modes in half a second to four: nearly equal poles, and some on the real axis."""
+    rng = np.random.default_rng(seed)
+    mass, front, rear = rng.uniform(1000, 1900), *rng.uniform(15e3, 35e3, 2)
+    zeta = rng.uniform(0.2, 0.5)
+    car = full_car(
+        chassis_mass=mass,
+        pitch_inertia=rng.uniform(1500, 3000),
+        roll_inertia=rng.uniform(350, 700),
+        front_tire_mass=rng.uniform(30, 55),
+        rear_tire_mass=rng.uniform(30, 55),
+        cg_to_front=rng.uniform(1, 1.5),
+        cg_to_rear=rng.uniform(1.1, 1.7),
+        front_track=1.5,
+        rear_track=1.5,
+        front_stiffness=front,
+        rear_stiffness=rear,
+        front_antiroll_stiffness=0,
+        front_tire_stiffness=rng.uniform(15e4, 25e4),
+        rear_tire_stiffness=rng.uniform(15e4, 25e4),
+        front_damping=zeta * np.sqrt(front * mass),
+        rear_damping=zeta * np.sqrt(rear * mass),
+    )
+    speeds = [name for name in statespace(car).state_labels if name.startswith("v_")]
+    start = dict(zip(speeds, rng.standard_normal(7), strict=True))
+    return released(car, float(rng.choice([20, 40, 60, 80])), duration=float(rng.uniform(0.5, 4)), **start)
+
+
 def rig(kind: str, masses: int, *, held: bool = False) -> control.TimeResponseData:
     """Return a release as an encoder sees it; from a sample after it on, unless the rest before is ``held``."""
     found = rigs.release(kind, masses, seed=3)
@@ -88,6 +118,7 @@ QUICK: dict[str, Callable[[], control.TimeResponseData]] = {
     "random car 1": lambda: random_car(1),
     "random car 3": lambda: random_car(3),
     "random car 5": lambda: random_car(5),
+    **{f"heavy full car {seed}": partial(heavy_full_car, seed) for seed in (3, 5, 22, 31, 44, 87)},
     "close modes": lambda: released(cars.close_pair(0.02), 30.0, v_left=1.0),
     "friction": lambda: rig("friction", 1),
     "bilinear": lambda: rig("bilinear", 1),
@@ -101,6 +132,7 @@ SLOW: dict[str, Callable[[], control.TimeResponseData]] = {
     "random car 0": lambda: random_car(0),
     "random car 2": lambda: random_car(2),
     "random car 4": lambda: random_car(4),
+    **{f"heavy full car {seed}": partial(heavy_full_car, seed) for seed in range(120, 160)},
 }
 
 

@@ -197,7 +197,7 @@ def test_a_step_of_a_fit_whose_information_is_singular_is_the_shortest() -> None
 
 def test_a_mode_that_is_hardly_known_stands_for_a_force_only_where_the_record_is_driven_before() -> None:
     """A decay from a little before its force ends: after driven motion later starts are tried, after rest not."""
-    values, begin = motion(rolling(2)), round((DRIVEN - 0.05) * FS)
+    values, begin = motion(rolling(1)), round((DRIVEN - 0.05) * FS)
     whole = as_response(TIME, values[None], ["seat"])
     found = identify(as_response(TIME[begin:], values[None, begin:], ["seat"]))
     std = found.modes.wn_std

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from validation import close_modes, no_decay
+from suspid import identify
+from suspid.records import as_response
+from validation import close_modes, no_decay, steadiness
 
 
 class TestCars:
@@ -60,3 +62,26 @@ class TestRecordsWithoutADecay:
         assert values.shape[1] == len(time)
         assert np.all(np.isfinite(values))
         assert np.all(np.std(values, axis=1) > 0)
+
+
+class TestSteadiness:
+    @pytest.mark.parametrize("world", steadiness.WORLDS)
+    def test_a_world_has_samples_of_its_own(self, world: str) -> None:
+        (times, values), (_, others) = (steadiness.WORLDS[world](np.random.default_rng(seed)) for seed in (1, 2))
+        assert values.shape[1] == len(times) > 100
+        assert np.all(np.std(values, axis=1) > 0)
+        assert values.shape != others.shape or not np.allclose(values, others)
+
+    def test_what_is_kept_is_told(self) -> None:
+        times, values = steadiness.WORLDS["quarter car of the paper"](np.random.default_rng(1))
+        one, other = (identify(as_response(times, part, ["a", "b", "c"])) for part in (values, values * (1 + 1e-14)))
+        moved = identify(as_response(times, values + 1e-5 * np.std(values) * np.sin(7.0 * times), ["a", "b", "c"]))
+        fewer = identify(as_response(times, values, ["a", "b", "c"]), modes=2)
+        assert steadiness._same_modes(one, other, values) == (True, True)
+        assert steadiness._same_modes(one, moved, values)[0] is False
+        assert steadiness._same_modes(one, fewer, values) == (False, False)
+
+    def test_a_record_of_one_world_keeps_everything(self) -> None:
+        assert steadiness.kept("quarter car of the paper", 3) == steadiness.Kept(
+            modes=True, intervals=True, verdict=True, decays=True
+        )

@@ -17,6 +17,7 @@ REPORTS = (
     "paper",
     "accuracy",
     "close_modes",
+    "steadiness",
     "no_decay",
     "springs",
     "peers",

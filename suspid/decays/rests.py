@@ -7,6 +7,7 @@ import numpy as np
 from suspid.decays.decay import Decay
 from suspid.errors import SuspidError
 from suspid.identification import Identification, identify
+from suspid.levels import ROUNDING
 from suspid.samples import as_samples, held
 from suspid.signals import Signal, as_signal
 from suspid.units import Decibel, Ratio, RealArray
@@ -62,8 +63,10 @@ def rests_until(values: RealArray, *, most: Ratio = 0.5) -> int:
         np.cumsum(each, axis=1)[:, before - 1] / before
         for each in (about, about**2, 0.5 * np.diff(about, axis=1, prepend=0.0) ** 2)
     )
-    spread = np.sqrt(np.maximum(squares - means**2, 0.0))
-    noise = spread**2 < NOISE_ALONE * roughness
+    # Samples that are equal but for rounding rest as those do that are equal.
+    rounding = ROUNDING * np.max(np.abs(values), axis=1, keepdims=True)
+    spread = np.sqrt(np.maximum(squares - means**2, rounding**2))
+    noise = spread**2 < NOISE_ALONE * np.maximum(roughness, rounding**2)
     away = noise & (np.abs(about[:, 1:] - means) > FAR_FROM_REST * spread)
     both = away[:, :-1] & away[:, 1:]
     # Of fewer samples none tell a spread.

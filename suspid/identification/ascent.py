@@ -21,8 +21,8 @@ from suspid.values import frozen_real
 # value leaves the poles off the optimum by its square root.
 NEGLIGIBLE_STEP = 1e-5
 # Fits whose poles are reported end below this, at a millionth of a standard deviation: then rounding of the record
-# shows nowhere. Each of the last steps gains a digit or more; where the model is wrong, less.
-AT_OPTIMUM, MOST_LAST_STEPS = 1e-12, 20
+# shows nowhere. Each of the last steps gains a digit or more; where the model is wrong or poles nearly coincide, less.
+AT_OPTIMUM, MOST_LAST_STEPS = 1e-12, 100
 # The fit at given poles, None where there is none.
 Evaluated: TypeAlias = Callable[[Poles], DecayFit | None]
 
@@ -101,21 +101,24 @@ def settled(fit: DecayFit, evaluated: Evaluated, *, known: Known | None = None) 
     known : Known, optional
         Poles that are known beforehand.
     """
-    worth = np.inf
+    best, promised = fit, np.inf
     for _ in range(MOST_LAST_STEPS if fit.poles.free else 0):
         quadratic = Quadratic.of(fit, known)
         if quadratic is None:
-            return fit
+            return best
         step = quadratic.step(0.0)
-        # A step that promises no less than half of the one before is rounding.
-        before, worth = worth, float(step @ quadratic.gradient)
-        if worth < AT_OPTIMUM or worth > before / 2 or worth > 1:
-            return fit
+        worth = float(step @ quadratic.gradient)
+        # A step after which another promises no less was rounding, or led away.
+        if worth >= promised:
+            return best
+        best, promised = fit, worth
+        if worth < AT_OPTIMUM or worth > 1:
+            return best
         trial = evaluated(fit.poles.moved_within(step, fit.count))
         if trial is None:
-            return fit
+            return best
         fit = trial
-    return fit
+    return best
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -136,7 +139,9 @@ class Quadratic:
         pinned = fit.poles.pinned(gradient, fit.count)
         if pinned is not None:
             free = ~pinned
-            information = np.where(free[:, None] & free, information, np.diag(information.diagonal()))
+            # Of what does not move, the information may be rounding.
+            least = np.max(information.diagonal(), where=free, initial=1e-300)
+            information = np.where(free[:, None] & free, information, least * _unit_matrix(len(free)))
             gradient = gradient * free
         diagonal = information.diagonal()
         if not (math.isfinite(information.sum()) and diagonal.min() > 0):

@@ -61,21 +61,30 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
         trial = problem.fitted(promised.with_two(which) if bends[which] else fit.poles.with_two(which, both))
         if trial is None:
             continue
-        trial = problem.settled(trial)
-        two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
-        nearer, other = np.argsort(np.abs(two - pole))
+        trial = problem.from_samples(problem.settled(trial))
+        # Which pole of the larger fit is which pair: on the way to the optimum they may have changed places.
+        places, last = _matched(fit.poles.pairs, trial.poles.pairs)
+        gain, two = fit.loss - trial.loss, trial.poles.pairs[[places[which], last]]
         near = np.abs(two - pole) < BENT * np.abs(pole.real)
         if not near.any() or gain <= leaves_open[which]:
             continue
         # Wherever the other lies, the neighbours of a weak mode that is left out bend.
-        places = np.insert(np.arange(pairs - 1), which, pairs - 1 + nearer)
         widening = np.maximum(widening, widened(fit.solution, trial.solution, places))
-        known = any(abs(two[other] - c.theta) < abs(two[other].real) for c, _ in partners)
+        known = any(abs(two[1] - c.theta) < abs(two[1].real) for c, _ in partners)
         if gain > needed and (near.all() or not (known or gain > penalty)):
             reason = Reason.UNRESOLVED if near.all() else Reason.TOO_WEAK
             remark = Remark(reason, {"gain": gain, "needed": penalty})
-            partners.append((Candidate(theta=complex(two[other]), real=False, gain=gain), remark))
+            partners.append((Candidate(theta=complex(two[1]), real=False, gain=gain), remark))
     return widening, bends, tuple(partners)
+
+
+def _matched(pairs: ComplexArray, more: ComplexArray) -> tuple[NDArray[np.intp], int]:
+    """Return the place of each pair among one more, all of them as near as can be in decay rates; and the one left."""
+    from scipy.optimize import linear_sum_assignment
+
+    distances = np.abs(pairs[:, None] - more) / np.maximum(np.abs(pairs.real), 1e-300)[:, None]
+    places = linear_sum_assignment(distances)[1]
+    return places, int(np.setdiff1d(np.arange(len(more)), places)[0])
 
 
 def apart(fit: Fit) -> Apart:

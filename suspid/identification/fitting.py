@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.ascent import maximize, settled
+from suspid.identification.ascent import Evaluated, maximize, settled
 from suspid.identification.classification import MOST_DECAY
 from suspid.identification.exponentials import Blocks, inner_products, synthesize
 from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples
@@ -28,6 +28,8 @@ BENT, OTHER_FREQUENCY = 2.0, 1.35
 # follow from it, and the poles from those, to about as many standard deviations. Records of up to this many samples are
 # then fitted by their samples; more cost time.
 ROUNDED, MOST_BY_SAMPLES = 1e-8, 20_000
+# The same until all poles are found. Beyond it, which pole is added next would follow from rounding; less costs time.
+ROUNDED_ROUGHLY = 1e-4
 # A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
 # removal; a higher one costs refits.
 MISJUDGED = 3.0
@@ -48,36 +50,50 @@ class Problem:
 
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> Fit | None:
         """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
-        noise = self._inner_noise
+        evaluated = self._closely(ROUNDED_ROUGHLY if rough else ROUNDED)
+        if isinstance(start, DecayFit) and _coarse(start, ROUNDED):
+            start = start.poles
         if rough:
             # Until all poles are found, they are fitted to a twentieth of their standard deviations, in at most 20
             # steps: a pole that exists comes near in fewer. A smaller share costs time.
-            solution = maximize(self.blocks, start, noise, steps=20, negligible=0.05**2)
+            solution = maximize(self.blocks, start, self.noise, steps=20, negligible=0.05**2, evaluated=evaluated)
         else:
-            solution = maximize(self.blocks, start, noise)
+            solution = maximize(self.blocks, start, self.noise, evaluated=evaluated)
         return None if solution is None else Fit(problem=self, solution=solution)
 
     def settled(self, fit: Fit) -> Fit:
         """Return the fit after the last steps, which move its poles by shares of a standard deviation."""
+        closely, start = self._closely(ROUNDED, fit), fit.solution
+        solution = closely(fit.poles) if _coarse(start, ROUNDED) else start
+        solution = solution and settled(solution, closely)
+        return fit if solution is None or solution is fit.solution else Fit(problem=self, solution=solution)
+
+    def from_samples(self, fit: Fit) -> Fit:
+        """Return the fit with what a Gauss-Newton step needs from samples, where they are few enough.
+
+        Where poles nearly coincide, the information is a difference of nearly equal numbers.
+        """
+        few = self.blocks.count <= MOST_BY_SAMPLES
+        solution = evaluate_samples(self.values, fit.poles, self.noise) if few else None
+        return fit if solution is None else Fit(problem=self, solution=solution)
+
+    def _closely(self, limit: float, near: Fit | None = None) -> Evaluated:
+        """Return what evaluates fits, from samples where the rounding of energies is beyond a limit.
+
+        Of more samples than that, those near a given fit have its weights: those from differences of energies would
+        move the poles by their rounding.
+        """
+        few, noise = self.blocks.count <= MOST_BY_SAMPLES, self._inner_noise
+        if not few and near is not None and _coarse(near.solution, limit):
+            noise = KnownNoise(least=near.variance)
 
         def evaluated(poles: Poles) -> DecayFit | None:
-            return evaluate(self.blocks, poles, self._inner_noise)
-
-        def evaluated_closely(poles: Poles) -> DecayFit | None:
-            if self.blocks.count <= MOST_BY_SAMPLES:
+            solution = evaluate(self.blocks, poles, noise)
+            if few and (solution is None or _coarse(solution, limit)):
                 return evaluate_samples(self.values, poles, self.noise)
-            # Weights from differences of energies would move the poles by their rounding.
-            first = evaluated(poles)
-            if first is None:
-                return None
-            return evaluate(self.blocks, poles, KnownNoise(least=Fit(problem=self, solution=first).variance))
+            return solution
 
-        if np.all(fit.solution.rounding < ROUNDED * fit.solution.squares):
-            solution: DecayFit | None = settled(fit.solution, evaluated)
-        else:
-            solution = evaluated_closely(fit.poles)
-            solution = solution and settled(solution, evaluated_closely)
-        return fit if solution is None or solution is fit.solution else Fit(problem=self, solution=solution)
+        return evaluated
 
     def polished(self, fit: Fit) -> Fit:
         """Return the fit after further steps, or itself if it has converged."""
@@ -236,6 +252,11 @@ class Fit:
     def _weights(self) -> RealArray:
         amplitudes = self.solution.amplitudes[self.poles.rows]
         return np.asarray(np.abs(amplitudes).T ** 2 / self.variance[:, None] + 1e-300)
+
+
+def _coarse(solution: DecayFit, limit: float) -> bool:
+    """Return whether the rounding error of the energy that a fit leaves is beyond a share of it in any channel."""
+    return bool((solution.rounding > limit * solution.squares).any())
 
 
 def linewidths_apart(every: ComplexArray) -> RealArray:

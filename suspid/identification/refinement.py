@@ -161,7 +161,7 @@ def single(problem: Problem, fit: Fit) -> Fit:
         theta = fit.poles.pairs[index]
         if abs(theta.imag) < -theta.real:
             trial = problem.fitted(fit.poles.without(index).with_real(theta.real))
-            if trial is not None and trial.loss - fit.loss < saved:
+            if trial is not None and trial.loss - fit.loss < saved and not trial.poles.meet:
                 fit, index = trial, 0
                 continue
         index += 1
@@ -178,7 +178,9 @@ def about_the_axis(problem: Problem, fit: Fit, least: float) -> Fit:
     for _ in range(MOST_CROSSINGS):
         for poles in _crossings(fit.poles, least / problem.blocks.count):
             trial = problem.fitted(poles, rough=True)
-            if trial is not None and fit.loss - trial.loss > problem.penalty(real=True):
+            # Two real poles that have met have no optimum: a pair is no worse.
+            needed = 0.0 if fit.poles.meet and len(poles.pairs) > len(fit.poles.pairs) else problem.penalty(real=True)
+            if trial is not None and fit.loss - trial.loss > needed:
                 fit = trial
                 break
         else:
