@@ -25,9 +25,9 @@ COLOUR_BEGINS = 1.5
 # frequencies, may be one mode that is not quite linear: friction and nonlinear springs bend a mode by less.
 BENT, OTHER_FREQUENCY = 2.0, 1.35
 # Relative rounding error of the residual energy above which it is summed over samples: the weights of the channels
-# follow from it, and the poles from those, to about as many standard deviations. Records of up to this many samples are
-# then fitted by their samples; more cost time.
-ROUNDED, MOST_BY_SAMPLES = 1e-8, 20_000
+# follow from it, and the poles from those, to about as many standard deviations. Records of up to this many samples,
+# and fits of up to this many exponents, go by samples then; more cost time, with the square of the exponents.
+ROUNDED, MOST_BY_SAMPLES, MOST_EXPONENTS = 1e-8, 20_000, 25
 # The same until all poles are found. Beyond it, which pole is added next would follow from rounding; less costs time.
 ROUNDED_ROUGHLY = 1e-4
 # A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
@@ -73,7 +73,7 @@ class Problem:
 
         Where poles nearly coincide, the information is a difference of nearly equal numbers.
         """
-        few = self.blocks.count <= MOST_BY_SAMPLES
+        few = self.blocks.count <= MOST_BY_SAMPLES and len(fit.poles) <= MOST_EXPONENTS
         solution = evaluate_samples(self.values, fit.poles, self.noise) if few else None
         return fit if solution is None else Fit(problem=self, solution=solution)
 
@@ -89,7 +89,7 @@ class Problem:
 
         def evaluated(poles: Poles) -> DecayFit | None:
             solution = evaluate(self.blocks, poles, noise)
-            if few and (solution is None or _coarse(solution, limit)):
+            if few and len(poles) <= MOST_EXPONENTS and (solution is None or _coarse(solution, limit)):
                 return evaluate_samples(self.values, poles, self.noise)
             return solution
 
