@@ -36,10 +36,17 @@ class Kept:
 
 
 def _quarter(car: Callable[[np.random.Generator], RealArray], rng: np.random.Generator) -> tuple[RealArray, RealArray]:
-    """Return times and samples (channel, sample) of a quarter car with noise of 10 to 60 dB."""
+    """Return times and samples (channel, sample) of a quarter car with white noise of 10 to 60 dB."""
     values = car(rng)
-    std = np.std(values, axis=1, keepdims=True) * 10 ** (-rng.uniform(10, 60) / 20)
-    return np.arange(values.shape[1]) / RATE, values + std * rng.standard_normal(values.shape)
+    return _noisy(values, snr_db=rng.uniform(10, 60), noise=rng.standard_normal(values.shape))
+
+
+def _noisy(
+    values: RealArray, *, snr_db: float, noise: RealArray, std: RealArray | float = 1.0
+) -> tuple[RealArray, RealArray]:
+    """Return times, and samples with noise of given standard deviation scaled to a signal-to-noise ratio."""
+    size = np.std(values, axis=1, keepdims=True) * 10 ** (-snr_db / 20)
+    return np.arange(values.shape[1]) / RATE, values + size * noise / std
 
 
 def _light(rng: np.random.Generator) -> RealArray:
@@ -67,8 +74,7 @@ def _coloured(rng: np.random.Generator) -> tuple[RealArray, RealArray]:
 
     values = _heavy(rng)
     noise = lfilter([1], [1, -rng.uniform(0.3, 0.95)], rng.standard_normal(values.shape), axis=1)
-    std = np.std(values, axis=1, keepdims=True) * 10 ** (-rng.uniform(10, 60) / 20)
-    return np.arange(values.shape[1]) / RATE, values + std * noise / np.std(noise, axis=1, keepdims=True)
+    return _noisy(values, snr_db=rng.uniform(10, 60), noise=noise, std=np.std(noise, axis=1, keepdims=True))
 
 
 WORLDS: dict[str, Callable[[np.random.Generator], tuple[RealArray, RealArray]]] = {
@@ -130,15 +136,11 @@ def report(*, records: int = RECORDS, seed: int = FIRST_SEED) -> str:
             counts = [sum(getattr(one, name) for one in found) for name in ("modes", "intervals", "verdict", "decays")]
             rows.append([world, records, *counts])
     headers = ["world", "records", "same modes", "same intervals", "same verdict", "same decays"]
-    return "\n\n".join(
-        [
-            "# Rounding",
-            f"Every sample is changed by {CHANGE:g} of itself, up or down at random, {CHANGES} times a record. How "
-            "many records then have the same modes (their number; wn and zeta within a millionth of a standard "
-            "deviation besides what the change says itself), the same standard deviations (within a millionth), the "
-            "same verdict in every word by `identify`, and the same decays by `find_decays` (starts, ends, doubts); "
-            f"noise of 10 to 60 dB, seeds from {seed} on.",
-            tabulate(rows, headers, tablefmt="github"),
-            "",
-        ]
+    told = (
+        f"Every sample is changed by {CHANGE:g} of itself, up or down at random, {CHANGES} times a record. How many "
+        "records then have the same modes (their number; wn and zeta within a millionth of a standard deviation "
+        "besides what the change says itself), the same standard deviations (within a millionth), the same verdict "
+        "in every word by `identify`, and the same decays by `find_decays` (starts, ends, doubts); noise of 10 to "
+        f"60 dB for quarter cars, 20 to 60 dB for the others; seeds from {seed} on."
     )
+    return "\n\n".join(["# Rounding", told, tabulate(rows, headers, tablefmt="github")]) + "\n"

@@ -40,8 +40,8 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
 
     Where a further pair close to one of them gains more than chance gives to any of them at `LEVEL`, though not enough
     for a mode, the record leaves open whether there is one. Then the intervals of all pairs hold what the fit with one
-    more says of them, with its own uncertainty: the nearer of the two, and each neighbour. The variances are widened by
-    0 where each pair suffices. A further pair is named where its gain is significant at `UNLIKELY`.
+    more says of them, with its own uncertainty; its poles are matched to the pairs. The variances are widened by 0
+    where each pair suffices. A further pair is named where its gain is significant at `UNLIKELY`.
     """
     from scipy.special import chdtri
 

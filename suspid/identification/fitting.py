@@ -51,7 +51,7 @@ class Problem:
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> Fit | None:
         """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
         evaluated = self._closely(ROUNDED_ROUGHLY if rough else ROUNDED)
-        if isinstance(start, DecayFit) and _coarse(start, ROUNDED):
+        if isinstance(start, DecayFit) and self._few(start.poles) and _coarse(start, ROUNDED):
             start = start.poles
         if rough:
             # Until all poles are found, they are fitted to a twentieth of their standard deviations, in at most 20
@@ -73,27 +73,30 @@ class Problem:
 
         Where poles nearly coincide, the information is a difference of nearly equal numbers.
         """
-        few = self.blocks.count <= MOST_BY_SAMPLES and len(fit.poles) <= MOST_EXPONENTS
-        solution = evaluate_samples(self.values, fit.poles, self.noise) if few else None
+        solution = evaluate_samples(self.values, fit.poles, self.noise) if self._few(fit.poles) else None
         return fit if solution is None else Fit(problem=self, solution=solution)
 
     def _closely(self, limit: float, near: Fit | None = None) -> Evaluated:
-        """Return what evaluates fits, from samples where the rounding of energies is beyond a limit.
+        """Return what evaluates fits: few by their samples where the rounding of energies is beyond a limit.
 
-        Of more samples than that, those near a given fit have its weights: those from differences of energies would
-        move the poles by their rounding.
+        Of more than `MOST_BY_SAMPLES`, those near a given fit have its weights: those from differences of energies
+        would move the poles by their rounding.
         """
-        few, noise = self.blocks.count <= MOST_BY_SAMPLES, self._inner_noise
-        if not few and near is not None and _coarse(near.solution, limit):
+        noise = self._inner_noise
+        if self.blocks.count > MOST_BY_SAMPLES and near is not None and _coarse(near.solution, limit):
             noise = KnownNoise(least=near.variance)
 
         def evaluated(poles: Poles) -> DecayFit | None:
             solution = evaluate(self.blocks, poles, noise)
-            if few and len(poles) <= MOST_EXPONENTS and (solution is None or _coarse(solution, limit)):
+            if self._few(poles) and (solution is None or _coarse(solution, limit)):
                 return evaluate_samples(self.values, poles, self.noise)
             return solution
 
         return evaluated
+
+    def _few(self, poles: Poles) -> bool:
+        """Return whether samples and exponents are few enough for a fit from samples."""
+        return self.blocks.count <= MOST_BY_SAMPLES and len(poles) <= MOST_EXPONENTS
 
     def polished(self, fit: Fit) -> Fit:
         """Return the fit after further steps, or itself if it has converged."""
