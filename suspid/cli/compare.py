@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
@@ -26,8 +26,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from suspid.greybox import Estimate
+    from suspid.identification import Described
     from suspid.model import Comparison, FoundParameters, ModalSet
     from suspid.performance import Grip, WearRule
+    from suspid.words import Remark
+
+    Compared: TypeAlias = ModalSet | Estimate | FoundParameters
 
 # What files hold by the start of their format; all others are read as modes.
 HELD_BY_FORMAT = {
@@ -127,7 +131,8 @@ def compare_command(
                     f"{after} and {before[0]} hold {stated} their own standard deviations; leave out "
                     f"{listed(given)}, meant for estimates from drives."
                 )
-            compared = compare(_read(after), _read(before[0]))
+            sides, remarks = _sides(after, before[0])
+            compared = replace(compare(*sides), remarks=remarks)
             reported = [_reported(path) for path in (after, before[0])] if kind == "modes" else []
             if len(reported) == 2 and reported[0] is not None and reported[1] is not None:
                 springs = compare(reported[0], reported[1])
@@ -135,7 +140,7 @@ def compare_command(
             text, content = changes_in_words(compared), comparison_to_dict(compared)
             if figure_draft:
                 # Half a page [inch].
-                save_picture(partial(_draw, before[0], after), figure_draft, size=(8.27, 5.8))
+                save_picture(partial(_draw, sides), figure_draft, size=(8.27, 5.8))
         if json_draft:
             json_draft.write_text(to_json(content), encoding="utf-8")
     say(text)
@@ -156,23 +161,38 @@ def _draw_estimates(before: Estimate, after: Estimate, grip: Grip | None, figure
     lower.suptitle("grip after", x=0.02, ha="left", fontsize="medium")
 
 
-def _draw(before: Path, after: Path, figure: Figure) -> None:
+def _draw(sides: tuple[Compared, Compared], figure: Figure) -> None:
     from suspid.reporting import plot_comparison
 
-    plot_comparison(_read(before), _read(after), figure)
+    plot_comparison(sides[1], sides[0], figure)
 
 
-def _read(path: Path) -> ModalSet | Estimate | FoundParameters:
-    """Return modes, or springs and dampers, of a file."""
-    from suspid.identification import read_modes
+def _sides(after: Path, before: Path) -> tuple[tuple[Compared, Compared], tuple[Remark, ...]]:
+    """Return what two files are compared by; modes that depend on their amplitude at one that both met."""
+    from suspid.identification import at_common_amplitudes
+
+    if _kind(after) == _kind(before) == "modes":
+        *modes, remarks = at_common_amplitudes(_described(after), _described(before))
+        return (modes[0], modes[1]), remarks
+    return (_springs(after), _springs(before)), ()
+
+
+def _described(path: Path) -> Described:
+    from suspid.identification import described_from_dict, read_content
+
+    with naming(path):
+        return described_from_dict(read_content(path))
+
+
+def _springs(path: Path) -> Estimate | FoundParameters:
+    """Return the springs and dampers of a file."""
     from suspid.reconstruction import parameters_from_dict
     from suspid.reporting import read_estimate
 
-    kind = _kind(path)
-    if kind == "a reconstruction":
+    if _kind(path) == "a reconstruction":
         with naming(path):
             return parameters_from_dict(parsed_json(read_text(path)))
-    return read_estimate(path) if kind == "an estimate" else read_modes(path)
+    return read_estimate(path)
 
 
 def _reported(path: Path) -> Estimate | FoundParameters | None:
@@ -247,4 +267,4 @@ def changes_in_words(found: Comparison) -> str:
     ]
     if found.mac is not None:
         parts.append(f"MAC of each mode before with its partner after: {', '.join(f'{m:.6f}' for m in found.mac)}")
-    return "\n".join(parts)
+    return "\n".join([*parts, *map(str, found.remarks)])

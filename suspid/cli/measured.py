@@ -143,18 +143,19 @@ def _in_words(files: Sequence[Path], found: Analysis) -> str:
 
 def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dict[str, object]:
     """Return an analysis for JSON; that of several files has the joint modes, and each file as one of its tests."""
-    from suspid.identification import identification_to_dict, modes_to_dict
+    from suspid.identification import identification_to_dict, modes_to_dict, repeats_to_dict
 
     if not found.tests:
         warnings = [shown(line) for line in (*said, *said_of(found))]
         content = identification_to_dict(found.identification, file=shown(str(files[0])), warnings=warnings)
-        content |= {} if found.repeats is None else modes_to_dict(found.repeats.modes)
+        content |= {} if found.repeats is None else repeats_to_dict(found.repeats)
     else:
         tests = [
             identification_to_dict(test.identification, file=shown(file), warnings=said_of(test))
             for file, test in zip(map(str, files) if len(files) > 1 else found.tests, found.tests.values(), strict=True)
         ]
-        content = {**modes_to_dict(found.modes), "tests": tests, "warnings": [*said, *map(str, found.notes)]}
+        joint = modes_to_dict(found.modes) if found.repeats is None else repeats_to_dict(found.repeats)
+        content = {**joint, "tests": tests, "warnings": [*said, *map(str, found.notes)]}
     return {**content, "verdict": found.verdict.to_dict()}
 
 

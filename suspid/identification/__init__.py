@@ -3,25 +3,33 @@
 `identify` fits damped exponentials to all channels jointly by maximum likelihood and selects the number of poles by
 BIC, or runs the wavelet steps (`by_likelihood`, `by_ridges`). `identify_repeats` fits several decays jointly. Below
 them: `exponentials` and `poles` (inner products), `noise` (least variance, likelihood, colour), `likelihood` and
-`joint_fit` (fits of one decay and of several), `candidates`, `fitting`, `refinement`, `classification`, `selection`
-(number of poles), `covariance`, `halves` (linearity), `parts` (of a record), `modes_json` (files). Samples are
-(channel, sample), poles per sample.
+`joint_fit` (fits of one decay and of several), `by_amplitude` (decays that are not linear), `candidates`, `fitting`,
+`refinement`, `classification`, `selection` (number of poles), `covariance`, `halves` (linearity), `parts` (of a
+record), `modes_json` (files). Samples are (channel, sample), poles per sample.
 """
 
 from suspid.identification.classification import LEAST_EXPLAINED
+from suspid.identification.common_amplitude import Described, at_common_amplitudes
 from suspid.identification.considered import Considered, removed_as
 from suspid.identification.covariance import with_changes as with_changes
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method
-from suspid.identification.identification_json import identification_to_dict
+from suspid.identification.identification_json import described_from_dict, identification_to_dict, repeats_to_dict
 from suspid.identification.identify import identify, identify_linear
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.identification.mode_checks import CYCLES_SEEN as CYCLES_SEEN
 from suspid.identification.mode_checks import cycles_seen as cycles_seen
 from suspid.identification.mode_checks import flashes as flashes
 from suspid.identification.mode_checks import swings_many_times as swings_many_times
-from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json, write_modes
+from suspid.identification.modes_json import (
+    modes_from_dict,
+    modes_to_dict,
+    read_content,
+    read_modes,
+    to_json,
+    write_modes,
+)
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
     UNIFORM_STD,
@@ -36,11 +44,12 @@ from suspid.identification.parts import residual_of_part
 from suspid.identification.pulses import FORCED
 from suspid.identification.removed_checks import in_hertz
 from suspid.identification.repeats import Repeats
+from suspid.identification.repeats_verdict import verdict_of_repeats
 from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.identification.stabilization import Stabilization, stabilization
 from suspid.identification.steps import FourSteps
 from suspid.identification.tables import tables_of, tables_of_repeats
-from suspid.identification.verdict import verdict_of, verdict_of_repeats
+from suspid.identification.verdict import verdict_of
 
 __all__ = [
     "ABOVE_RESOLUTION",
@@ -51,6 +60,7 @@ __all__ = [
     "UNIFORM_STD",
     "AmplitudeDependence",
     "Considered",
+    "Described",
     "Force",
     "ForceKind",
     "FourSteps",
@@ -60,8 +70,10 @@ __all__ = [
     "Selection",
     "Stabilization",
     "WhiteNoise",
+    "at_common_amplitudes",
     "correlated",
     "degrees_of_freedom",
+    "described_from_dict",
     "identification_to_dict",
     "identify",
     "identify_linear",
@@ -71,8 +83,10 @@ __all__ = [
     "modes_from_dict",
     "modes_to_dict",
     "patience",
+    "read_content",
     "read_modes",
     "removed_as",
+    "repeats_to_dict",
     "residual_of_part",
     "resolution",
     "select",

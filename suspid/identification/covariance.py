@@ -214,8 +214,8 @@ def _ratios(amplitudes: ComplexArray) -> tuple[ComplexArray, RealArray]:
             if c != strongest:
                 shapes[c, k] = amplitudes[c, k] / reference
                 at, own, other = (2 * i for i in (k * channels + c, c * wanted + k, strongest * wanted + k))
-                estimator[at : at + 2, own : own + 2] = _rotation(1 / reference)
-                estimator[at : at + 2, other : other + 2] = _rotation(-shapes[c, k] / reference)
+                estimator[at : at + 2, own : own + 2] = rotation(1 / reference)
+                estimator[at : at + 2, other : other + 2] = rotation(-shapes[c, k] / reference)
     return shapes, estimator
 
 
@@ -264,9 +264,9 @@ def _slopes(q: ComplexArray, phi: ComplexArray, strongest: NDArray[np.intp]) -> 
     for r, c, k in np.ndindex(decays, channels, wanted):
         at = 2 * ((r * channels + c) * wanted + k)
         of_q, of_phi = 2 * (r * wanted + k), scales + 2 * (k * channels + c)
-        slopes[at : at + 2, of_q : of_q + 2] = _rotation(complex(phi[c, k]))
+        slopes[at : at + 2, of_q : of_q + 2] = rotation(complex(phi[c, k]))
         if c != strongest[k]:
-            slopes[at : at + 2, of_phi : of_phi + 2] = _rotation(complex(q[r, k]))
+            slopes[at : at + 2, of_phi : of_phi + 2] = rotation(complex(q[r, k]))
     return slopes
 
 
@@ -277,6 +277,13 @@ def _whitening(covariance: RealArray) -> RealArray:
     return np.asarray((vectors * scale[:, None] / np.sqrt(np.maximum(values, LEAST_VARIANCE * values[-1]))).T)
 
 
-def _rotation(factor: complex) -> RealArray:
-    """Return multiplication by a complex number as a real matrix."""
+def rotation(factor: complex) -> RealArray:
+    """Return multiplication by a complex number as a real matrix.
+
+    Examples
+    --------
+    >>> rotation(2 + 1j)
+    array([[ 2., -1.],
+           [ 1.,  2.]])
+    """
     return np.array([[factor.real, -factor.imag], [factor.imag, factor.real]])

@@ -2,14 +2,88 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from suspid.errors import InputError
+from suspid.identification.common_amplitude import Described
 from suspid.identification.identification import Identification
-from suspid.identification.modes_json import modes_to_dict
+from suspid.identification.modes_json import modes_from_dict, modes_to_dict, number_of
+from suspid.identification.nonlinear import AmplitudeDependence
+from suspid.identification.repeats import Repeats
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
+from suspid.values import frozen_real
+
+
+def amplitudes_to_dict(each: AmplitudeDependence) -> dict[str, object]:
+    """Return how a mode depends on its amplitude."""
+    return {
+        "channel": each.channel,
+        "holds_at": each.holds_at,
+        "start_s": [start for start, _ in each.spans],
+        "stop_s": [stop for _, stop in each.spans],
+        "amplitude": each.amplitude.tolist(),
+        "frequency_hz": (each.wn / (2 * np.pi)).tolist(),
+        "wn_rad_per_s": each.wn.tolist(),
+        "wn_std_rad_per_s": each.wn_std.tolist(),
+        "zeta": each.zeta.tolist(),
+        "zeta_std": each.zeta_std.tolist(),
+    }
+
+
+def described_from_dict(content: Mapping[str, object]) -> Described:
+    """Return the modes of a file, and how each depends on its amplitude, where that is in it.
+
+    Raises
+    ------
+    InputError
+        If something is not as `identification_to_dict` wrote it.
+
+    Examples
+    --------
+    >>> described_from_dict({"modes": [{"frequency_hz": 2.0, "zeta": 0.3}]}).tables
+    (None,)
+    """
+    modes = modes_from_dict(content)
+    entries = content.get("amplitude_dependence") or []
+    if not isinstance(entries, list) or len(entries) not in (0, len(modes)):
+        raise InputError(f"amplitude_dependence must be a list with a table or null for each of {len(modes)} modes")
+    tables = [None if entry is None else _table(k, entry) for k, entry in enumerate(entries, start=1)]
+    return Described(modes=modes, tables=tuple(tables or [None] * len(modes)))
+
+
+def _table(mode: int, entry: object) -> AmplitudeDependence:
+    names = ("start_s", "stop_s", "amplitude", "wn_rad_per_s", "wn_std_rad_per_s", "zeta", "zeta_std")
+    where = f"amplitude_dependence of mode {mode}"
+    if not isinstance(entry, dict):
+        raise InputError(f"{where} must be an object with channel, holds_at, {', '.join(names)}")
+    columns = [column for name in names if isinstance(column := entry.get(name), list)]
+    if len(columns) < len(names) or len({len(column) for column in columns}) > 1:
+        raise InputError(f"{where}: {', '.join(names)} must be lists of one length")
+    # A window in which something was not found has null there.
+    rows = [row for row in zip(*columns, strict=True) if None not in row]
+    values = np.array([[number_of(where, value) for value in row] for row in rows]).reshape(-1, len(names))
+    start, stop, amplitude, wn, wn_std, zeta, zeta_std = values.T
+    if not len(values) or np.min([amplitude, wn]) <= 0 or np.min([wn_std, zeta_std]) < 0:
+        raise InputError(f"{where}: a window at least, amplitudes and wn above 0, standard deviations not below 0")
+    return AmplitudeDependence(
+        spans=tuple(zip(start.tolist(), stop.tolist(), strict=True)),
+        channel=str(entry.get("channel")),
+        amplitude=frozen_real(amplitude),
+        wn=frozen_real(wn),
+        zeta=frozen_real(zeta),
+        wn_std=frozen_real(wn_std),
+        zeta_std=frozen_real(zeta_std),
+        holds_at=number_of(f"{where}: holds_at", entry.get("holds_at")),
+    )
+
+
+def repeats_to_dict(repeats: Repeats) -> dict[str, object]:
+    """Return the modes that several decays share, each with its dependence on the amplitude or null."""
+    tables = [None if each is None else amplitudes_to_dict(each) for each in repeats.amplitude_dependence]
+    return {**modes_to_dict(repeats.modes), "amplitude_dependence": tables}
 
 
 def identification_to_dict(identification: Identification, *, file: str, warnings: Sequence[str]) -> dict[str, object]:
@@ -35,21 +109,7 @@ def identification_to_dict(identification: Identification, *, file: str, warning
             }
             for force in identification.forces
         ],
-        "amplitude_dependence": [
-            {
-                "channel": each.channel,
-                "holds_at": each.holds_at,
-                "start_s": [start for start, _ in each.spans],
-                "stop_s": [stop for _, stop in each.spans],
-                "amplitude": each.amplitude.tolist(),
-                "frequency_hz": (each.wn / (2 * np.pi)).tolist(),
-                "wn_rad_per_s": each.wn.tolist(),
-                "wn_std_rad_per_s": each.wn_std.tolist(),
-                "zeta": each.zeta.tolist(),
-                "zeta_std": each.zeta_std.tolist(),
-            }
-            for each in identification.amplitude_dependence
-        ],
+        "amplitude_dependence": [amplitudes_to_dict(each) for each in identification.amplitude_dependence],
         "considered": [
             {
                 "pole_rad_per_s": [c.pole.real, c.pole.imag],

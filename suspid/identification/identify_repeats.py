@@ -11,6 +11,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, is_pair
 from suspid.errors import IdentificationError, InputError, RecordError
+from suspid.identification.by_amplitude import joined, strongest
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.halves import FEWEST_SAMPLES
@@ -21,6 +22,7 @@ from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.repeats import Repeats
 from suspid.identification.selection import select
 from suspid.levels import EQUAL_RATE
+from suspid.model import ModalSet
 from suspid.records import cut
 from suspid.samples import held
 from suspid.signals import Stretch, as_signal
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
 
 # Poles are sought in the repeats at least this long, relative to the median, side by side over their common length.
 LONG_ENOUGH = 0.5
+# Share of the decays with forces other than linear ones from which on poles common to all describe none of them.
+BENT_SHARE = 0.5
 
 
 @explained
@@ -53,6 +57,10 @@ def identify_repeats(
     maximised. The shapes of the decays are combined by generalised least squares with the covariance of their
     amplitudes, so that one shape per mode remains. Variances are widened where the residual is louder than white noise,
     where the channels share noise, and where the decays disagree.
+
+    Where half of the decays or more are not linear, poles that are common to all describe none of them. Then each mode
+    is that of the single decays at the middle of the amplitudes that all of them met (see
+    `Repeats.amplitude_dependence`), and they are compared there.
 
     Parameters
     ----------
@@ -99,6 +107,8 @@ def identify_repeats(
     each = tuple(_identified(name, part, band_hz) for name, part in parts)
     signals = [as_signal(held(found, "response"), least=FEWEST_SAMPLES) for found in each]
     spans = tuple((s.start, s.start + s.step * (s.values.shape[1] - 1)) for s in signals)
+    if sum(bool(found.forces) for found in each) >= BENT_SHARE * len(each):
+        return _of_bent_decays(each, spans, modes, tuple(names))
     step, channels = signals[0].step, signals[0].channels
     values = [s.values - s.values.mean(axis=1, keepdims=True) for s in signals]
     noises = [noise_of(s.values) for s in signals]
@@ -125,11 +135,7 @@ def identify_repeats(
     shared = shared_noise(_end_to_end(selection.residual, repeats=len(stacked)))
     joint = joint_covariance(fits, kept, np.maximum(loudness * shared, [a.widening for a in agreements]))
     found, order = joint.modes(step=step, channels=channels), np.argsort(np.abs(joint.exponents), kind="stable")
-    if modes is not None and len(found) < modes:
-        raise IdentificationError(
-            f"{modes} modes were requested, {len(found)} could be found in {len(spans)} repeats",
-            found=found if len(found) else None,
-        )
+    _check_enough(found, modes, len(spans))
     return Repeats(
         spans=spans,
         each=each,
@@ -139,6 +145,38 @@ def identify_repeats(
         noise_std=frozen_real([np.sqrt(fit.squares / fit.freedom) for fit in fits]),
         names=tuple(names),
     )
+
+
+def _of_bent_decays(
+    each: tuple[Identification, ...],
+    spans: tuple[tuple[Second, Second], ...],
+    modes: int | None,
+    names: tuple[str, ...],
+) -> Repeats:
+    """Return what decays share that depend on their amplitude."""
+    found = joined(each)
+    _check_enough(found.modes, modes, len(spans))
+    if modes is not None and modes < len(found.modes):
+        found = strongest(found, modes)
+    return Repeats(
+        spans=spans,
+        each=each,
+        modes=found.modes,
+        consistency=found.consistency,
+        loudness=found.loudness,
+        noise_std=frozen_real([one.noise_std for one in each]),
+        amplitude_dependence=found.amplitude_dependence,
+        names=names,
+    )
+
+
+def _check_enough(found: ModalSet, modes: int | None, repeats: int) -> None:
+    """Refuse fewer modes than were requested."""
+    if modes is not None and len(found) < modes:
+        raise IdentificationError(
+            f"{modes} modes were requested, {len(found)} could be found in {repeats} repeats",
+            found=found if len(found) else None,
+        )
 
 
 def _stretches(

@@ -99,8 +99,6 @@ class Agreement:
 
 def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNoise], index: int) -> Agreement:
     """Return how well the repeats agree on a pole, each fitted alone with the same number of poles."""
-    from scipy.special import chdtrc
-
     pairs = len(fits[0].poles.pairs)
     rows = [2 * index, 2 * index + 1] if index < pairs else [pairs + index]
     found, informations, held = [], [], list[int]()
@@ -124,6 +122,13 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
             found.append(np.array([complex(after).real, complex(after).imag])[: len(rows)])
             informations.append(information)
             held.append(number)
+    return agreement_of(found, informations, held)
+
+
+def agreement_of(found: list[RealArray], informations: list[RealArray], held: list[int]) -> Agreement:
+    """Return how well poles agree, each with its real and imaginary part and their information, of decays by number."""
+    from scipy.special import chdtrc
+
     if len(found) < 2:
         return Agreement(chi_square=0.0, freedom=0, probability=float("nan"), widening=1.0, held=tuple(held))
     chi_square = _distance(found, informations)
@@ -131,7 +136,7 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
         _distance(found[:k] + found[k + 1 :], informations[:k] + informations[k + 1 :]) for k in range(len(held))
     ]
     odd = int(np.argmin(without)) if len(held) > 2 else None
-    freedom = len(rows) * (len(found) - 1)
+    freedom = int(np.linalg.matrix_rank(np.sum(informations, axis=0))) * (len(found) - 1)
     probability = float(chdtrc(freedom, chi_square))
     # Level of the test: decays that agree are called different with probability 0.01. A larger one widens more
     # intervals that are right.
@@ -148,7 +153,6 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
 
 def _distance(found: list[RealArray], informations: list[RealArray]) -> float:
     """Return the sum of the squared distances of poles from their mean, weighted by information."""
-    mean = np.linalg.solve(
-        np.sum(informations, axis=0), np.sum([i @ p for i, p in zip(informations, found, strict=True)], axis=0)
-    )
+    weighted = np.sum([i @ p for i, p in zip(informations, found, strict=True)], axis=0)
+    mean = np.linalg.pinv(np.sum(informations, axis=0)) @ weighted
     return float(sum((p - mean) @ i @ (p - mean) for i, p in zip(informations, found, strict=True)))

@@ -229,9 +229,8 @@ def check_cycles(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.REAL_ONLY, Level.DOUBTFUL if guessed else Level.CARE)
 
 
-def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
-    """Check how wide the intervals of frequency and damping are."""
-    modes = found.modes
+def check_precision(modes: ModalSet, loudness: RealArray, halves: RealArray, level: Ratio) -> Iterator[Check]:
+    """Check how wide the intervals are; ``halves`` are NaN where nothing but the fit supports a mode."""
     if modes.covariance is None:
         return
     ends = modes.interval(level)
@@ -241,16 +240,16 @@ def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
     vague = pairs & (zeta > UNKNOWN_ZETA)
     rough = pairs & ~vague & (zeta > ROUGH_ZETA) | pairs & (wn > ROUGH_WN)
     if np.any(vague):
-        other = bool(np.any(found.loudness[vague] > LINE_OF_OTHER_MOTION))
+        other = bool(np.any(loudness[vague] > LINE_OF_OTHER_MOTION))
         yield check_of(ModeCheck.DAMPING_UNKNOWN, Level.DOUBTFUL if other else Level.CARE, {"modes": numbers_of(vague)})
     for k in np.flatnonzero(rough).tolist():
         numbers: dict[str, Number] = {"mode": k + 1}
         numbers |= {"wn": float(wn[k])} if wn[k] > ROUGH_WN else {}
         numbers |= {"zeta": float(zeta[k])} if ROUGH_ZETA < zeta[k] <= UNKNOWN_ZETA else {}
-        other = wn[k] > OPEN_WN and found.loudness[k] > LINE_OF_OTHER_MOTION
+        other = wn[k] > OPEN_WN and loudness[k] > LINE_OF_OTHER_MOTION
         yield check_of(ModeCheck.KNOWN_ROUGHLY, Level.DOUBTFUL if other else Level.CARE, numbers)
     hardly, loose = pairs & ((zeta > OPEN_ZETA) | (wn > OPEN_WN)), pairs & (zeta > ROUGH_ZETA)
-    unchecked = loose & ~np.isfinite(found.halves) if np.sum(loose) > FEWEST_OPEN else np.zeros_like(loose)
+    unchecked = loose & ~np.isfinite(halves) if np.sum(loose) > FEWEST_OPEN else np.zeros_like(loose)
     for which, share in ((hardly, MOST), (unchecked, NEARLY_EACH)):
         if max(FEWEST_OPEN, np.sum(pairs) * share) < np.sum(which):
             yield check_of(ModeCheck.MOSTLY_OPEN, Level.DOUBTFUL, {"modes": numbers_of(which)})

@@ -31,6 +31,7 @@ import os
 import reprlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -126,6 +127,22 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     return ModalSet(poles=poles, shapes=shape, channels=channels, covariance=covariance)
 
 
+def read_content(path: Path) -> dict[str, Any]:
+    """Return what a JSON or TOML file holds.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "modes.toml")
+    ...     _ = path.write_text("zeta = 0.3")
+    ...     read_content(path)
+    {'zeta': 0.3}
+    """
+    text = read_text(path)
+    return parsed_toml(text) if path.suffix.lower() == ".toml" else parsed_json(text)
+
+
 @explained
 def read_modes(path: str | os.PathLike[str]) -> ModalSet:
     r"""Return the modes in a file that `write_modes` or ``suspid identify --json`` wrote, or that was written by hand.
@@ -158,9 +175,7 @@ def read_modes(path: str | os.PathLike[str]) -> ModalSet:
     """
     file = Path(path)
     with naming(file):
-        text = read_text(file)
-        content = parsed_toml(text) if file.suffix.lower() == ".toml" else parsed_json(text)
-        return modes_from_dict(content)
+        return modes_from_dict(read_content(file))
 
 
 @explained
@@ -203,7 +218,7 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
     for key in entry:
         if key not in MODE_KEYS:
             raise InputError(f"{where} has the unknown key {key!r}.{nearest_names(key, MODE_KEYS)}")
-    given = {key: _number(f"{where}: {key}", entry[key]) for key in MODE_KEYS[:5] if entry.get(key) is not None}
+    given = {key: number_of(f"{where}: {key}", entry[key]) for key in MODE_KEYS[:5] if entry.get(key) is not None}
     if entry.get("pole_rad_per_s") is not None:
         pole = _complex(f"{where}: pole_rad_per_s", entry["pole_rad_per_s"])
     else:
@@ -240,7 +255,14 @@ def _pair(value: complex) -> list[float]:
     return [float(value.real), float(value.imag)]
 
 
-def _number(what: str, value: object) -> float:
+def number_of(what: str, value: object) -> float:
+    """Return a finite number of a file.
+
+    Examples
+    --------
+    >>> number_of("mode 1: zeta", 0.1)
+    0.1
+    """
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{what} = {reprlib.repr(value)} must be a number")
     try:
@@ -257,13 +279,13 @@ def _number(what: str, value: object) -> float:
 def _complex(what: str, value: object) -> complex:
     if not isinstance(value, list) or len(value) != 2:
         raise InputError(f"{what} = {reprlib.repr(value)} must be a real and an imaginary part")
-    return complex(_number(what, value[0]), _number(what, value[1]))
+    return complex(number_of(what, value[0]), number_of(what, value[1]))
 
 
 def _numbers(what: str, rows: object) -> list[list[float]]:
     if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == len(rows) for row in rows):
         raise InputError(f"{what} must be a square list of lists of numbers")
-    return [[_number(what, value) for value in row] for row in rows]
+    return [[number_of(what, value) for value in row] for row in rows]
 
 
 def _null_if_not_finite(content: object) -> object:

@@ -8,8 +8,9 @@ from functools import cached_property
 
 from suspid.identification.identification import Identification
 from suspid.identification.joint_fit import Agreement
+from suspid.identification.nonlinear import AmplitudeDependence
+from suspid.identification.repeats_verdict import verdict_of_repeats
 from suspid.identification.tables import tables_of_repeats
-from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
 from suspid.results import Result
 from suspid.units import RealArray, Second
@@ -34,6 +35,9 @@ class Repeats(Result):
         Power of the residual near each mode over that of the noise, see `Identification.loudness`.
     noise_std : ndarray (repeat, channel)
         Standard deviation of the noise in each repeat and channel, in the unit of the channel.
+    amplitude_dependence : tuple of AmplitudeDependence or None
+        Of decays that are not linear, how each mode depends on its amplitude, in the windows of all decays; it holds at
+        the middle of the amplitudes that all of them met. None where they met none in common. Empty if they are linear.
     names : tuple of str
         What the records are called; empty for decays of one recording.
 
@@ -54,6 +58,7 @@ class Repeats(Result):
     consistency: tuple[Agreement, ...]
     loudness: RealArray
     noise_std: RealArray
+    amplitude_dependence: tuple[AmplitudeDependence | None, ...] = ()
     names: tuple[str, ...] = ()
 
     @cached_property

@@ -91,7 +91,17 @@ def tables_of_repeats(found: Repeats) -> str:
         "probability": [f"{a.probability:.2g}" if a.freedom else NOTHING for a in found.consistency],
         "residual / noise": [f"{value:.3g}" for value in found.loudness],
     }
-    return f"{found.modes}\n\n{text_table(agreement, widest=TERMINAL)}\n\n{singles}"
+    varying = [(k, each) for k, each in enumerate(found.amplitude_dependence, 1) if each is not None and each.varies]
+    # Of a mode that one decay alone holds, the table of modes has the mean.
+    said = ["mean over all cycles; the frequency is that at", "at"]
+    held_at = [
+        f"mode {k}: {said[len(found.consistency[k - 1].held) > 1]} an amplitude of {each.holds_at:.3g} in "
+        f"{named(each.channel)}, others are below"
+        for k, each in varying
+    ]
+    modes = "\n".join([str(found.modes), *held_at])
+    parts = [modes, text_table(agreement, widest=TERMINAL), *(_of_amplitudes(*one, whole=False) for one in varying)]
+    return "\n\n".join([*parts, singles])
 
 
 def _more(rows: int) -> str:

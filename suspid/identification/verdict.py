@@ -1,4 +1,4 @@
-"""The verdict on an identification, and on repeats: the checks, their levels and numbers."""
+"""The verdict on an identification: the checks, their levels and numbers."""
 
 from __future__ import annotations
 
@@ -46,11 +46,21 @@ from suspid.records import late_start
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import Hertz, Ratio, RealArray
-from suspid.words import MOST_LISTED, Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
+from suspid.words import (
+    MOST_LISTED,
+    Check,
+    Headline,
+    Level,
+    ModeCheck,
+    Number,
+    Reason,
+    Remark,
+    Verdict,
+    amount,
+)
 
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
-    from suspid.identification.repeats import Repeats
 
 # Power near a mode over white noise: what is below widens an interval by less than 3 %.
 NOTICEABLE = 1.05
@@ -111,7 +121,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from check_halves(found)
     if found.method != "ridge":
         yield from _residual(found)
-    rough = list(check_precision(found, level))
+    rough = list(check_precision(found.modes, found.loudness, found.halves, level))
     yield from rough
     yield from check_cycles(found)
     yield from check_multiples(found)
@@ -295,19 +305,3 @@ def _left_by_a_mode(found: Identification, line: Hertz) -> bool:
     # High multiples are near every frequency.
     near = NEAR_A_MODE * np.outer(loud[loud > 0], np.minimum(orders, LOW_ORDER))
     return bool(np.any(off < np.maximum(near, 3 * resolution_hz)))
-
-
-def verdict_of_repeats(repeats: Repeats, level: Ratio = LEVEL) -> Verdict:
-    """Return the verdict on several decays jointly: their agreement beside the checks of the first decay."""
-    decays = len(repeats.spans)
-    first = verdict_of(repeats.each[0], level)
-    if not len(repeats.modes):
-        none = check_of(ModeCheck.NO_COMMON_MODE, Level.NONE, {"decays": decays})
-        return Verdict(Remark(Headline.NO_MODE), (none, *first.checks))
-    apart = numbers_of(np.array([agreement.widening > 1 for agreement in repeats.consistency]))
-    check = check_of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
-    if not any(len(agreement.held) > 1 for agreement in repeats.consistency):
-        check = check_of(ModeCheck.NONE_REPEATED, Level.CARE, {"decays": decays})
-    elif apart:
-        check = check_of(ModeCheck.REPEATS_DISAGREE, Level.CARE, {"decays": decays, "modes": apart})
-    return Verdict(Remark(Headline.MODES, {"modes": len(repeats.modes)}), (check, *first.checks))

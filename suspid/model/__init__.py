@@ -12,14 +12,14 @@ from suspid.model.car_text import car_to_toml
 from suspid.model.checks import added_masses, finite_number, positive_number
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
-from suspid.model.covariance import check_definite
+from suspid.model.covariance import check_definite, jacobian_of
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
 from suspid.model.force_curves import Curve, equal_work, piecewise, slopes
 from suspid.model.found_parameters import FoundCar, FoundParameters, found_parameters, value_in
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
 from suspid.model.interval import Interval
-from suspid.model.matching import modal_assurance, pole_distances
+from suspid.model.matching import common_mac, modal_assurance, paired, pole_distances
 from suspid.model.modal_table import modal_table
 from suspid.model.modes import ModalSet
 from suspid.model.outputs import FORCE, OutputRows, force_weights, names_channel, output_rows, output_weights
@@ -49,6 +49,7 @@ __all__ = [
     "check_definite",
     "check_linear",
     "check_plain",
+    "common_mac",
     "compare",
     "eigenmodes",
     "equal_work",
@@ -57,11 +58,13 @@ __all__ = [
     "found_parameters",
     "full_car",
     "half_car",
+    "jacobian_of",
     "modal_assurance",
     "modal_table",
     "names_channel",
     "output_rows",
     "output_weights",
+    "paired",
     "piecewise",
     "pole_distances",
     "positive_number",

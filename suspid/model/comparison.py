@@ -12,6 +12,7 @@ from suspid.results import Result, columns_of
 from suspid.text_tables import TERMINAL, text_table
 from suspid.units import UNITS, RealArray
 from suspid.values import MOST_NUMBERS, FrozenMapping
+from suspid.words import Remark
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -69,6 +70,8 @@ class Comparison(Result):
         sides have shapes on at least two common channels. The verdict does not depend on it.
     rule : str
         The allowed error in words.
+    remarks : tuple of Remark
+        What else is to be known of the values.
 
     Examples
     --------
@@ -82,6 +85,7 @@ class Comparison(Result):
     mae: Mapping[str, float]
     mac: RealArray | None
     rule: str
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -128,7 +132,7 @@ class Comparison(Result):
         notes = [f"mean absolute error: {mae}"]
         if self.mac is not None:
             notes.append(f"MAC by expected mode: {', '.join(f'{m:.6f}' for m in self.mac)}")
-        return "\n".join([self._headline(), text_table(columns, widest=TERMINAL), *notes])
+        return "\n".join([self._headline(), text_table(columns, widest=TERMINAL), *notes, *map(str, self.remarks)])
 
 
 def _text(value: float | None, digits: int) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.identification import identification_to_dict, modes_to_dict, to_json
+from suspid.identification import identification_to_dict, repeats_to_dict, to_json
 from suspid.model import car_to_toml
 from suspid.performance import grip_if_any
 from suspid.reconstruction import reconstruction_to_dict
@@ -181,7 +181,7 @@ def car_to_plain(file: Source | None, springs: Estimate | Reconstruction | None)
 
 def _repeats_to_dict(repeats: Repeats) -> dict[str, object]:
     return {
-        **modes_to_dict(repeats.modes),
+        **repeats_to_dict(repeats),
         "agreement": [
             {
                 "chi_square": agreement.chi_square,

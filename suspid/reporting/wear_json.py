@@ -120,7 +120,9 @@ def comparison_to_dict(found: Comparison) -> dict[str, object]:
         for row in found.table
     ]  # fmt: skip
     kind = "modes" if any(row.quantity in ("wn", "zeta") for row in found.table) else "springs"
-    return as_plain(COMPARE_FORMAT, {"kind": kind, "passed": found.passed, "rule": found.rule, "values": rows})
+    remarks = [remark.to_dict() for remark in found.remarks]
+    fields = {"kind": kind, "passed": found.passed, "rule": found.rule, "values": rows, "remarks": remarks}
+    return as_plain(COMPARE_FORMAT, fields)
 
 
 def _damper(one: DamperWear) -> dict[str, object]:

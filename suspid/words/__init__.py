@@ -11,7 +11,7 @@ from suspid.words.cleaning import AS_MISSING, Cleaning, Defect, dead
 from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
-from suspid.words.identification import Headline, ModeCheck
+from suspid.words.identification import AmplitudeRemark, Headline, ModeCheck
 from suspid.words.io import ASIDE, DAMAGE, OTHER_LENGTHS, LeftOut, rates_of_units
 from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reasons import Reason
@@ -27,6 +27,7 @@ __all__ = [
     "MOST_LISTED",
     "MOST_NAMED",
     "OTHER_LENGTHS",
+    "AmplitudeRemark",
     "Check",
     "Cleaning",
     "Code",

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from suspid.wording import AtCommandLine
-from suspid.words.remarks import Code, Number, amount, count, in_a_row, sentence
+from suspid.words.remarks import Code, Number, amount, count, in_a_row, percent, sentence
 
 
-def _percent(number: Number, digits: int = 4) -> str:
+def _percent(number: Number) -> str:
     share = float(str(number))
-    return f"{100 * share:.{digits}g} %" if share < 0.99995 else "100.0 %"
+    return f"{100 * share:.4g} %" if share < 0.99995 else "100.0 %"
 
 
 def _names(number: Number) -> str:
@@ -27,7 +27,7 @@ def _modes(number: Number) -> str:
 
 def _rough(n: Mapping[str, Number]) -> list[str]:
     names = {"wn": "frequency", "zeta": "damping ratio"}
-    return [f"the {name} is known only to {_percent(n[key], 2)}" for key, name in names.items() if key in n]
+    return [f"the {name} is known only to {percent(float(str(n[key])))}" for key, name in names.items() if key in n]
 
 
 class ModeCheck(Code):
@@ -281,8 +281,8 @@ class ModeCheck(Code):
         "precision",
         sentence(
             lambda n: (
-                f"Frequencies are known to {_percent(n['wn'], 2)} or better, damping ratios to "
-                f"{_percent(n['zeta'], 2)} of their value ({100 * float(str(n['level'])):g} % intervals)."
+                f"Frequencies are known to {percent(float(str(n['wn'])))} or better, damping ratios to "
+                f"{percent(float(str(n['zeta'])))} of their value ({100 * float(str(n['level'])):g} % intervals)."
             )
         ),
     )
@@ -420,12 +420,45 @@ class ModeCheck(Code):
         sentence(
             lambda n: (
                 f"The {n['decays']} decays disagree on joint {_modes(n['modes'])} by more than their noise: "
-                f"frequency or damping depends on amplitude, or something changed between them. The intervals "
-                "are widened."
+                f"{'' if n.get('compared_at') else 'frequency or damping depends on amplitude, or '}something changed "
+                f"between them. The intervals are widened."
+            )
+        ),
+    )
+    AT_COMMON_AMPLITUDES = (
+        "at common amplitudes",
+        sentence(
+            lambda n: (
+                f"The decays depend on their amplitude: the table has {_modes(n['modes'])} at the amplitude in the "
+                f"middle of those that all decays with the mode met, where they are compared."
+            )
+        ),
+    )
+    NO_COMMON_AMPLITUDE = (
+        "no common amplitude",
+        sentence(
+            lambda n: (
+                f"The decays met no amplitude of {_modes(n['modes'])} in common: the table has the mean over the "
+                f"cycles of each."
             )
         ),
     )
     NO_COMMON_MODE = "no common mode", "No mode decays in all of the {decays} decays."
+
+
+class AmplitudeRemark(Code):
+    """What two results that depend on their amplitude were compared at."""
+
+    COMPARED_AT = (
+        "compared at",
+        "Mode {mode} depends on its amplitude: compared at {amplitude:.3g} (in the unit of channel {channel!r}), the "
+        "middle of what both met.",
+    )
+    NONE_IN_COMMON = (
+        "none in common",
+        "Mode {mode} depends on its amplitude, and no amplitude is known that both met: a difference may be that of "
+        "amplitudes.",
+    )
 
 
 class Headline(Code):

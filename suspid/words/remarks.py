@@ -67,6 +67,9 @@ class Remark:
     numbers : mapping
         Numbers and names that belong to it, in SI units. Names from files stand as they are; the sentence has their
         control characters escaped, and markup is left to whoever shows it.
+    of : str
+        What it is said of, where that is a part of the whole, such as one of several records; the sentence begins
+        with it.
 
     Examples
     --------
@@ -79,6 +82,7 @@ class Remark:
 
     code: Code
     numbers: Mapping[str, Number] = field(default_factory=dict, hash=False)
+    of: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "numbers", FrozenItems(self.numbers))
@@ -86,11 +90,12 @@ class Remark:
     def __str__(self) -> str:
         words = self.code.words
         said = words.format_map(self.numbers) if isinstance(words, str) else words(self.numbers)
+        said = f"{self.of}: {said}" if self.of else said
         return "\n".join(map(printable, said.split("\n"))) if not said.isprintable() else said
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle without the read-only view."""
-        return Remark, (self.code, dict(self.numbers))
+        return Remark, (self.code, dict(self.numbers), self.of)
 
     def to_dict(self) -> dict[str, object]:
         """Return code, numbers and sentence, for JSON.

@@ -60,10 +60,17 @@ class AmplitudeDependence:
 
     def at(self, amplitude: float) -> tuple[RadianPerSecond, Ratio]:
         """Return natural frequency and damping ratio at an amplitude, between the windows beside it."""
+        return self._between(amplitude, self.wn, self.zeta)
+
+    def stds_at(self, amplitude: float) -> tuple[RadianPerSecond, Ratio]:
+        """Return the standard deviations of both there."""
+        return self._between(amplitude, self.wn_std, self.zeta_std)
+
+    def _between(self, amplitude: float, one: RealArray, other: RealArray) -> tuple[float, float]:
         order = np.argsort(self.amplitude)
         logs = np.log(self.amplitude[order])
-        wn, zeta = (np.interp(np.log(amplitude), logs, values[order]) for values in (self.wn, self.zeta))
-        return float(wn), float(zeta)
+        first, second = (np.interp(np.log(amplitude), logs, values[order]) for values in (one, other))
+        return float(first), float(second)
 
     @property
     def known(self) -> AmplitudeDependence:
