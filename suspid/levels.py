@@ -18,6 +18,8 @@ NORMAL_MEDIAN = 0.6744897501960817
 CHI_SQUARE_95 = NORMAL_95**2
 # Probability below which chance is no explanation: one false alarm in a thousand. A smaller one lets weak misfits pass.
 UNLIKELY = 1e-3
+# A record or half of one with fewer samples is not fitted.
+FEWEST_SAMPLES = 32
 # Relative. Numbers in double precision that should be equal agree to this: one eigenvalue problem solved in two ways, a
 # file written with all digits. What is smaller beside the largest is rounding; a tighter limit fails on it.
 EXACT = 1e-9

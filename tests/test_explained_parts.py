@@ -9,7 +9,7 @@ from suspid import Settings, identify
 from suspid.analysis.explained_parts import explains_swings, shortened, used_instead
 from suspid.analysis.used import Used
 from suspid.decays import STARTS_AFTER_REST
-from suspid.identification import FEWEST_SAMPLES
+from suspid.levels import FEWEST_SAMPLES
 from suspid.records import as_response
 from suspid.words import Note
 

@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import expm
 
 from suspid import InputError, Strut, Suspension, eigenmodes, free_decay, quarter_car, reconstruct, statespace
+from suspid.greybox.modal import mounted_car
 from suspid.model import car_from_toml, car_to_toml
 from suspid.units import RealArray
 
@@ -115,3 +116,12 @@ class TestUse:
             reconstruct(eigenmodes(car(None)), car())
         with pytest.raises(InputError, match=message):
             _ = car().C
+
+
+def test_a_mount_far_stiffer_than_a_record_tells_is_rigid() -> None:
+    """Rounding of a simulation left 3e-8 s, known not to be zero: a mode of 5 MHz, and no intervals of the others."""
+    names, found = ("chassis.relaxation", "chassis.damping"), np.array([3e-8, C])
+    plain = mounted_car(car(), names, found, np.array([1e-9, 1.0]), 2e-3)
+    assert next(strut for strut in plain.struts if strut.name == "chassis").mount_stiffness is None
+    soft = mounted_car(car(), names, found * [1e3, 1.0], np.array([1e-9, 1.0]), 2e-3)
+    assert next(strut for strut in soft.struts if strut.name == "chassis").mount_stiffness == pytest.approx(C / 3e-5)

@@ -47,6 +47,7 @@ from suspid.reporting.thinning import first_cycles
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.wavelets import ABOVE_NOISE, fit_skeleton
+from suspid.words import Check, Headline, Level, ModeCheck, Remark, Verdict
 from validation import cars
 
 HOSTILE = ("$x^2$", "$\\undefined{$", "_hidden", "\x1b[2Jq\n", "座席", "a" * 500, "")
@@ -423,6 +424,21 @@ class TestPage:
         assert units.count("unit") == 3
         assert set(units) <= set(UNITS)
         assert all(text.endswith("]") for text in found)
+
+    def test_the_verdict_is_on_it(self, identification: Identification) -> None:
+        """Whoever has the picture alone has the doubts as well, the gravest first; of a file, its name."""
+        remark = Remark(ModeCheck.NOTHING_DECAYS)
+        checks = [Check(remark, Level.CARE)] * 4 + [Check(Remark(ModeCheck.RESIDUAL_WHITE), Level.DOUBTFUL)]
+        verdict = Verdict(Remark(Headline.MODES, {"modes": 3}), tuple(checks))
+        figure = plot_identification(identification, Figure(figsize=PAGE), title="run_7.csv", verdict=verdict)
+        figure.draw_without_rendering()
+        words = "\n".join(text.get_text() for text in figure.axes[0].texts)
+        assert "Verdict: 3 modes found: doubtful." in words
+        assert 0 < words.index(str(Remark(ModeCheck.RESIDUAL_WHITE))) < words.index(str(remark)[:40])
+        assert "… and 1 more doubt" in words
+        assert figure.axes[0].get_title(loc="left") == "run_7.csv — method likelihood"
+        own = plot_identification(identification, Figure(figsize=PAGE)).axes[0].texts
+        assert any(str(identification.verdict).split("\n")[0] in text.get_text() for text in own)
 
     @pytest.mark.parametrize("size", [PAGE, (12.0, 9.0)])
     def test_nothing_is_changed_by_drawing(self, identification: Identification, size: tuple[float, float]) -> None:

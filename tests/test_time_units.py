@@ -116,6 +116,14 @@ def test_a_unit_in_which_the_record_is_too_short_is_not_guessed(tmp_path: Path, 
         assert np.diff(seat.timepts) == pytest.approx(1 / float(rate), rel=1e-5)
 
 
+def test_that_few_rows_are_too_few_is_said_at_once(tmp_path: Path) -> None:
+    """A table of twelve rows read by hand was to be given a rate, and refused with it."""
+    path = tmp_path / "a.csv"
+    path.write_text("time,seat\n" + "".join(f"{5.3 * k:.10g},{y:.6g}\n" for k, y in enumerate(SEAT[:12])))
+    with pytest.raises(RecordError, match="it has 12 samples, and modes need 32"):
+        read_recording(path)
+
+
 @pytest.mark.parametrize(("step", "unit"), [(33.0, 1e3), (100.0, 1e3), (499.0, 1e3), (1872.0, 1e6), (20_000.0, 1e6)])
 def test_the_unit_is_the_first_in_which_a_suspension_is_sampled_fast_enough(
     tmp_path: Path, step: float, unit: float

@@ -563,6 +563,11 @@ class TestWords:
         }  # fmt: skip
         said = re.findall(r"[\d.]*\d", str(Remark(ModeCheck.AMPLITUDE, numbers)))
         assert said == ["1", "1.1", "0.21", "0.02", "5", "1.3", "0.34", "0.03", "0.5", "2"]
+        same = str(Remark(ModeCheck.AMPLITUDE, {**numbers, "low_hz": 1.1 + 1e-6}))
+        assert same.count("Hz") == 1
+        assert "zeta 0.34 ± 0.03 at 0.5, and 1.1 Hz at both" in same
+        rough = str(Remark(ModeCheck.KNOWN_ROUGHLY, {"mode": 1, "zeta": 0.997}))
+        assert "known only to 100 % of its value" in rough
 
     def test_json_holds_codes_numbers_and_sentences(self) -> None:
         remark = Remark(Reason.TOO_WEAK, {"gain": 3.0, "needed": 20.0})
@@ -662,6 +667,20 @@ def test_a_mode_at_twice_or_three_times_another_calls_for_care(hertz: float, zet
     checks = said(found.verdict, ModeCheck.MULTIPLE)
     assert [check.remark.numbers["multiple"] for check in checks] == ([round(hertz)] if named else [])
     assert all(check.level is Level.CARE for check in checks)
+
+
+@pytest.mark.parametrize(("hertz", "named"), [(2.0, True), (2.3, False)])
+def test_a_vague_mode_near_the_double_of_another_may_be_none(hertz: float, named: bool) -> None:
+    """A pendulum on a film: of what it moves up and down the damping is hardly known."""
+    time, rng = np.arange(300) / 30, np.random.default_rng(4)
+    across = np.exp(-0.03 * 2 * np.pi * time) * np.cos(2 * np.pi * time)
+    along = 0.15 * np.exp(-0.08 * 2 * np.pi * hertz * time) * np.cos(2 * np.pi * hertz * time + 1)
+    values = np.array([across, along]) + 0.04 * rng.standard_normal((2, time.size))
+    found = identify(as_response(time, values, ["across", "along"]))
+    assert len(found.modes) == 2
+    assert found.modes.zeta_std is not None
+    assert 1.96 * found.modes.zeta_std[1] > 0.25 * found.modes.zeta[1]
+    assert bool(said(found.verdict, ModeCheck.MULTIPLE)) is named
 
 
 @pytest.mark.parametrize(("rates", "level"), [((3.0,), Level.CARE), ((2.0, 9.0), Level.DOUBTFUL)])

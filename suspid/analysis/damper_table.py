@@ -10,6 +10,9 @@ from suspid.greybox import DamperCurve
 from suspid.performance import Wear
 from suspid.text_tables import TERMINAL, rounded, spread, text_table
 
+# What the column of the loss is, where the table above has another change of the damping.
+OF_LOSS = "lost: share of the damping, beside that by which load changes a damper and its spring alike"
+
 
 def damper_table(curves: Sequence[DamperCurve], wear: Wear | None) -> str:
     """Return a line for each damper; empty where nothing was found of any.
@@ -27,7 +30,8 @@ def damper_table(curves: Sequence[DamperCurve], wear: Wear | None) -> str:
         for name in names
     ]
     columns = {title: [row[title] for row in rows] for title in rows[0]}
-    return text_table({title: cells for title, cells in columns.items() if any(cells)}, widest=TERMINAL)
+    table = text_table({title: cells for title, cells in columns.items() if any(cells)}, widest=TERMINAL)
+    return table if wear is None else f"{table}\n{OF_LOSS}"
 
 
 def _wear_cells(wear: Wear | None, name: str) -> dict[str, str]:

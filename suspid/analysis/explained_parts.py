@@ -10,7 +10,8 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of
 from suspid.decays import STARTS_AFTER_REST
-from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.identification import Identification
+from suspid.levels import FEWEST_SAMPLES
 from suspid.records import cut
 from suspid.signals import as_signal
 from suspid.units import Second

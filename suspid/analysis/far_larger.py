@@ -9,8 +9,8 @@ import numpy as np
 
 from suspid.analysis.used import Used
 from suspid.decays import SAME_MODE, Decay
-from suspid.identification import FEWEST_SAMPLES, LEAST_EXPLAINED, Identification
-from suspid.levels import NORMAL_95
+from suspid.identification import LEAST_EXPLAINED, Identification
+from suspid.levels import FEWEST_SAMPLES, NORMAL_95
 from suspid.model import ModalSet
 from suspid.samples import held
 from suspid.signals import Signal, as_signal

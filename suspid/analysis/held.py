@@ -9,8 +9,7 @@ import numpy as np
 
 from suspid.analysis.blows import blows_of
 from suspid.analysis.swings import turns_of
-from suspid.identification import FEWEST_SAMPLES
-from suspid.levels import EXACT
+from suspid.levels import EXACT, FEWEST_SAMPLES
 from suspid.records import of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import Flags, RealArray, Second

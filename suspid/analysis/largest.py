@@ -18,7 +18,8 @@ from suspid.analysis.shrinking import longest_shrinking, shrinking
 from suspid.analysis.support import questioned
 from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of
-from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.identification import Identification
+from suspid.levels import FEWEST_SAMPLES
 from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal
 from suspid.units import Second

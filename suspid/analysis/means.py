@@ -15,7 +15,8 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import Decays, by_chance
-from suspid.identification import FEWEST_SAMPLES, Identification
+from suspid.identification import Identification
+from suspid.levels import FEWEST_SAMPLES
 from suspid.records import like, of_channels
 from suspid.signals import as_signal, block_means
 from suspid.units import RadianPerSecond, Second

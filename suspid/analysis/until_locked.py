@@ -16,7 +16,8 @@ from suspid.analysis.support import questioned
 from suspid.analysis.tries import PLAIN, tried_linear
 from suspid.analysis.used import Used
 from suspid.decays import STARTS_AFTER_REST, at_rest_from, finest, releases_before, stops_at
-from suspid.identification import FEWEST_SAMPLES, ForceKind, Identification
+from suspid.identification import ForceKind, Identification
+from suspid.levels import FEWEST_SAMPLES
 from suspid.model import ModalSet
 from suspid.records import cut, of_channels
 from suspid.signals import Signal, as_signal

@@ -94,7 +94,8 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
         if json_draft:
             json_draft.write_text(to_json(_json_of(found, files, said)), encoding="utf-8")
         if figure_draft:
-            save_picture(partial(plot_identification, found.identification, units=found.units), figure_draft)
+            page = partial(plot_identification, found.identification, title=files[0].name, verdict=found.verdict)
+            save_picture(partial(page, units=found.units), figure_draft)
         said += said_of(found, most_left_out=MOST_NAMED, most_findings=MOST_FINDINGS)
     if tests:
         say(f"{printable(str(files[0]))}: {len(tests) + 1} tests, one after the other; --test chooses one\n")

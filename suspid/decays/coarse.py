@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.decays.trials import block_size
-from suspid.identification import FEWEST_SAMPLES
+from suspid.levels import FEWEST_SAMPLES
 from suspid.signals import Signal, block_means
 from suspid.values import frozen_real
 

@@ -20,7 +20,7 @@ from suspid.decays.others import shares_a_mode, with_doubts_of_others
 from suspid.decays.releases import releases
 from suspid.decays.tails import free_end
 from suspid.errors import RecordError
-from suspid.identification import FEWEST_SAMPLES
+from suspid.levels import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
 from suspid.threads import in_one_thread
 from suspid.units import Hertz, Second

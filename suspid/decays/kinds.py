@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.decays.trials import Trial
-from suspid.identification import FEWEST_SAMPLES
-from suspid.levels import CERTAIN
+from suspid.levels import CERTAIN, FEWEST_SAMPLES
 from suspid.signals import Signal
 from suspid.units import Second
 from suspid.words import DecayKind

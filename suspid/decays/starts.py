@@ -15,7 +15,7 @@ from suspid.decays.refusals import decaying, refused
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import Trial, tried
 from suspid.decays.verification import LATEST_START
-from suspid.identification import FEWEST_SAMPLES
+from suspid.levels import FEWEST_SAMPLES
 from suspid.signals import Signal
 from suspid.units import RealArray
 

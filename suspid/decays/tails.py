@@ -11,7 +11,7 @@ from suspid.decays.predictions import at_rest_from, frequencies
 from suspid.decays.refusals import fits, refused
 from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 from suspid.decays.trials import BLOCKS_A_CYCLE, Trial, block_size, tried
-from suspid.identification import FEWEST_SAMPLES
+from suspid.levels import FEWEST_SAMPLES
 from suspid.signals import Signal
 from suspid.units import RealArray
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from suspid.decays.envelopes import QUIET_QUANTILE
 from suspid.identification import (
-    FEWEST_SAMPLES,
     Selection,
     WhiteNoise,
     correlated,
@@ -18,7 +17,7 @@ from suspid.identification import (
     select,
     synthesize,
 )
-from suspid.levels import CERTAIN
+from suspid.levels import CERTAIN, FEWEST_SAMPLES
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Reason
 

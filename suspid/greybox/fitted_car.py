@@ -116,7 +116,8 @@ def fitted_car(
     covariance = turned @ fit.covariance @ turned.T
     values = np.append(u.parameters(fit.x)[u.rows], fit.extra_values)
     std = np.sqrt(np.diag(covariance))
-    car = mounted_car(u.suspension(fit.x), parameters, values, std)
+    step = min(trial.step for trial in trials)
+    car = mounted_car(u.suspension(fit.x), parameters, values, std, step)
     unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
     still = () if asked.road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
     own = of_car(u)

@@ -11,7 +11,10 @@ from suspid.greybox.dynamics import plant_of
 from suspid.levels import NORMAL_95
 from suspid.model import ModalSet, Suspension, scaled_shapes
 from suspid.reconstruction import Unknowns, parameter_names, parameter_vector
-from suspid.units import ComplexArray, RealArray
+from suspid.units import ComplexArray, RealArray, Second
+
+# Share of the step between samples within which a mount that relaxes is rigid: it turns no phase by a thousandth.
+AS_RIGID = 3e-4
 
 
 def of_car(u: Unknowns) -> list[int]:
@@ -33,14 +36,20 @@ def modes_with(
     return modes_of(car, rows, covariance[np.ix_(own, own)], still=still, mounts=mounts)
 
 
-def mounted_car(car: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Suspension:
-    """Return the car with the mounts whose relaxation is known not to be zero, at a level of 95 %."""
+def mounted_car(
+    car: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray, step: Second
+) -> Suspension:
+    """Return the car with the mounts whose relaxation is known not to be zero, at a level of 95 %.
+
+    What relaxes within a small part of a ``step`` from sample to sample is rigid: rounding of a simulation, or how
+    motion between its samples was interpolated, does not make a mode of megahertz.
+    """
     found: dict[str, float | None] = {}
     for name, value, spread in zip(parameters, values.tolist(), std.tolist(), strict=True):
         strut, _, quantity = name.rpartition(".")
         if quantity == "relaxation":
             damping = next(s.damping for s in car.struts if s.name == strut)
-            found[strut] = damping / value if value > NORMAL_95 * spread and damping > 0 else None
+            found[strut] = damping / value if value > max(NORMAL_95 * spread, AS_RIGID * step) and damping > 0 else None
     struts = [replace(s, mount_stiffness=found[s.name]) if s.name in found else s for s in car.struts]
     return replace(car, struts=struts)
 

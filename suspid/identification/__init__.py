@@ -13,7 +13,6 @@ from suspid.identification.common_amplitude import Described, at_common_amplitud
 from suspid.identification.considered import Considered, removed_as
 from suspid.identification.covariance import with_changes as with_changes
 from suspid.identification.exponentials import synthesize
-from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method
 from suspid.identification.identification_json import described_from_dict, identification_to_dict, repeats_to_dict
 from suspid.identification.identify import identify, identify_linear
@@ -53,7 +52,6 @@ from suspid.identification.verdict import verdict_of
 
 __all__ = [
     "ABOVE_RESOLUTION",
-    "FEWEST_SAMPLES",
     "FORCED",
     "LEAST_EXPLAINED",
     "MOST_PAIRS",

@@ -17,7 +17,7 @@ from suspid.identification.considered import Considered, beside_bent, considered
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
 from suspid.identification.exponentials import inner_products
-from suspid.identification.halves import FEWEST_SAMPLES, disagreement
+from suspid.identification.halves import disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
@@ -33,7 +33,7 @@ from suspid.identification.pulses import without_beginning, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.identification.traces import traces
-from suspid.levels import NORMAL_95
+from suspid.levels import FEWEST_SAMPLES, NORMAL_95
 from suspid.model import ModalSet
 from suspid.samples import as_samples
 from suspid.signals import Signal

@@ -13,10 +13,9 @@ from suspid.identification.information import inverse_information
 from suspid.identification.likelihood import DecayFit, evaluate, evaluate_samples
 from suspid.identification.noise import KnownNoise, WhiteNoise
 from suspid.identification.poles import Poles
+from suspid.levels import FEWEST_SAMPLES
 from suspid.units import RealArray
 
-# A record or half of one with fewer samples is not fitted.
-FEWEST_SAMPLES = 32
 # Rounding error of the residual energy over the energy of the noise above which a half is fitted by its samples.
 MOST_ROUNDING = 1e-6
 # Information on a pole, in units of its own size, that knows it to a third; and to itself: a half that begins with less

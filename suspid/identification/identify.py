@@ -13,10 +13,9 @@ from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.by_likelihood import Forces, by_likelihood
 from suspid.identification.by_ridges import by_ridges
-from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method
 from suspid.identification.steps import FourSteps
-from suspid.levels import ROUNDING
+from suspid.levels import FEWEST_SAMPLES, ROUNDING
 from suspid.signals import Signal, as_signal
 from suspid.threads import in_one_thread
 from suspid.units import Hertz, RealArray, angular

@@ -14,14 +14,13 @@ from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.by_amplitude import joined, strongest
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification
 from suspid.identification.identify import identify
 from suspid.identification.joint_fit import agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.repeats import Repeats
 from suspid.identification.selection import select
-from suspid.levels import EQUAL_RATE
+from suspid.levels import EQUAL_RATE, FEWEST_SAMPLES
 from suspid.model import ModalSet
 from suspid.records import cut
 from suspid.samples import held

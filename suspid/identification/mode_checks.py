@@ -52,6 +52,8 @@ ONE_FREQUENCY = 1.1
 # A mode at a multiple of another is damped as that is, to this factor; its frequency is known to this share. Another
 # lies there by chance once in fifty.
 ALIKE_DAMPED, MULTIPLE_KNOWN = 1.5, 0.005
+# Where its damping is hardly known, a mode that lies as near to the double of another is one as well.
+NEAR_DOUBLE = 0.02
 # What swings for this many samples and cycles at most, until it has fallen to 1/e, and is over within this share of the
 # time of another mode, may be a flash: a switch or a contact makes such. Wheels take a tenth of the time of a body.
 FLASH_SAMPLES, FLASH_CYCLES, FLASH_TIME = 10.0, 3.0, 0.01
@@ -199,18 +201,23 @@ def check_phases(found: Identification) -> Iterator[Check]:
 def check_multiples(found: Identification) -> Iterator[Check]:
     """Check that no mode turns at twice or three times the frequency of another and is damped as that is.
 
-    The first is named: strings have many.
+    The first is named: strings have many. Of a mode whose damping is hardly known, that is said of the double.
     """
     modes = found.modes
-    if modes.wn_std is None:
+    if modes.wn_std is None or modes.zeta_std is None:
         return
+    rough = NORMAL_95 * modes.zeta_std > ROUGH_ZETA * np.abs(modes.zeta)
     wd = np.where(np.array(modes.kinds) == "pair", np.abs(modes.poles.imag), np.nan)
     for one, other in itertools.permutations(range(len(modes)), 2):
         for multiple in OVERTONES:
             std = float(np.hypot(multiple * modes.wn_std[one], modes.wn_std[other]))
             off = abs(wd[other] - multiple * wd[one])
             alike = 1 / ALIKE_DAMPED < modes.zeta[other] / max(modes.zeta[one], 1e-300) < ALIKE_DAMPED
-            if alike and std < MULTIPLE_KNOWN * wd[other] and off < SURE * std:
+            known = alike and std < MULTIPLE_KNOWN * wd[other] and off < SURE * std
+            as_far = modes.zeta_std[one] + modes.zeta_std[other]
+            apart = abs(modes.zeta[other] - modes.zeta[one])
+            loosely = rough[other] and multiple == 2 and apart < SURE * as_far
+            if known or (loosely and off < min(SURE * std, NEAR_DOUBLE * wd[other])):
                 numbers = {"one": one + 1, "other": other + 1, "multiple": multiple}
                 yield check_of(ModeCheck.MULTIPLE, Level.CARE, numbers)
                 return

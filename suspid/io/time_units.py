@@ -21,6 +21,7 @@ from suspid.io.names import (
     split_unit,
 )
 from suspid.io.tables import Table
+from suspid.levels import FEWEST_SAMPLES
 from suspid.stamps import continued
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
@@ -253,9 +254,10 @@ def guessed_unit(time: str, stamps: RealArray, fs: Hertz | None) -> tuple[str, R
     if agreeing:
         return agreeing[0], None
     if fs is None and others and length < SHORTEST_GUESS and said.numbers["step"] != 1:
+        few = f"; it has {len(stamps)} samples, and modes need {FEWEST_SAMPLES}" if len(stamps) < FEWEST_SAMPLES else ""
         raise RecordError(
             f"the unit of {time!r} is not stated; if it is {unit}, the record is only {length:.3g} s long: give "
-            f"{rates_of_units(said.numbers)}"
+            f"{rates_of_units(said.numbers)}{few}"
         )
     return unit, said
 

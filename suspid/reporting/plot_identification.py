@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
@@ -21,6 +22,7 @@ from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
+from suspid.words import Verdict, count
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +39,10 @@ KEYS_OF_FIT = 3
 MOST_RIDGES = 8
 MODES_ON_PAGE = 12
 ROWS_ON_PAGE = 10
+# Signs of a line of the verdict in small type, doubts that are listed, and the pitch of lines over the size of type.
+SIGNS_ABREAST = 125
+DOUBTS_ON_PAGE = 4
+LINE_PITCH = 1.2
 # Size in inches of a page to be printed: A4.
 PAGE = (8.27, 11.69)
 # A figure narrower or lower than this has no room for all parts of the page [inch].
@@ -45,9 +51,14 @@ LEAST_PAGE = 4.0
 
 @explained
 def plot_identification(
-    identification: Identification, figure: Figure, *, units: Sequence[str] | None = None
+    identification: Identification,
+    figure: Figure,
+    *,
+    units: Sequence[str] | None = None,
+    title: str | None = None,
+    verdict: Verdict | None = None,
 ) -> Figure:
-    """Draw a page: modes, scalogram with ridges, skeletons, record with fit, entropy and shapes.
+    """Draw a page: modes and verdict, scalogram with ridges, skeletons, record with fit, entropy and shapes.
 
     Parts without content (no ridges, no search for the bandwidth, shapes of one channel) are omitted. On a figure that
     is narrower or lower than four inches the scalogram stands alone.
@@ -60,6 +71,10 @@ def plot_identification(
         An empty figure; made for ``Figure(figsize=PAGE)``, that is A4 upright.
     units : sequence of str, optional
         Units of the channels, by which shapes of different quantities are compared.
+    title : str, optional
+        What the page is called, such as the file. Default: the title of the record.
+    verdict : Verdict, optional
+        The verdict to show, such as that of the analysis of a whole recording. Default: that of the identification.
 
     Returns
     -------
@@ -89,9 +104,11 @@ def plot_identification(
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
     names = as_signal(held(identification, "response")).channels[:8]
     last = _last_parts(identification)
-    places = _places(figure, _heights(identification, len(blocks), len(names), last))
+    said = _in_lines(identification.verdict if verdict is None else verdict)
+    places = _places(figure, _heights(identification, len(blocks), len(names), last, said=len(said)))
 
-    _write_modes(identification, figure.add_subplot(places["modes"]))
+    name = str(held(identification, "response").title or "") if title is None else title
+    _write_modes(identification, name, said, figure.add_subplot(places["modes"]))
     scalogram = plot_scalogram(
         identification.scalogram,
         ax=figure.add_subplot(places["scalogram"]),
@@ -122,12 +139,23 @@ def _last_parts(identification: Identification) -> list[str]:
     return ["entropy"] * (identification.bandwidth_search is not None) + ["shapes"] * several
 
 
-def _heights(identification: Identification, blocks: int, channels: int, last: Sequence[str]) -> dict[str, float]:
+def _in_lines(verdict: Verdict) -> list[str]:
+    """Return the verdict and its gravest doubts as lines of a page."""
+    doubts = [textwrap.wrap(f"- {doubt}", SIGNS_ABREAST, subsequent_indent="  ") for doubt in verdict.doubts]
+    shown = [line for doubt in doubts[:DOUBTS_ON_PAGE] for line in doubt]
+    more = len(doubts) - DOUBTS_ON_PAGE
+    return [str(verdict).split("\n", 1)[0], *shown, *([f"… and {count(more, 'more doubt')}"] if more > 0 else [])]
+
+
+def _heights(
+    identification: Identification, blocks: int, channels: int, last: Sequence[str], *, said: int
+) -> dict[str, float]:
     """Return the height of each part [inch on A4]."""
     modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
     named = min(len(modes.channels), MOST_IN_KEY + 1)
     keys = max(KEYS_OF_FIT, -(-(2 + named) // KEYS_ABREAST)) if ridges else 1
-    heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MODES_ON_PAGE + 2), "scalogram": 2.7 if blocks < 2 else 2.3}
+    table = min(len(modes) + 2, MODES_ON_PAGE + 2)
+    heights = {"modes": 0.3 + 0.14 * (table + said), "scalogram": 2.7 if blocks < 2 else 2.3}
     heights |= {"key": 0.35 + 0.2 * keys}
     heights |= {f"skeletons {i}": 2.5 for i in range(blocks)}
     heights |= {"fit": 0.5 + 0.75 * _fit_rows(channels)}
@@ -153,13 +181,16 @@ def _places(figure: Figure, heights: dict[str, float]) -> dict[str, SubplotSpec]
     return places
 
 
-def _write_modes(identification: Identification, ax: Axes) -> None:
+def _write_modes(identification: Identification, title: str, said: Sequence[str], ax: Axes) -> None:
     lines = modal_table(identification.modes).splitlines()
     if len(lines) > MODES_ON_PAGE + 2:
         lines = [*lines[: MODES_ON_PAGE + 1], f"  … {len(identification.modes)} modes in all"]
     ax.set_axis_off()
     ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
-    title = str(held(identification, "response").title or "")
+    words = "\n".join(shown(line, most=2 * SIGNS_ABREAST) for line in said)
+    below = -8.0 * LINE_PITCH * (len(lines) + 0.8)
+    ax.annotate(words, (0.0, 1.0), (0.0, below), xycoords="axes fraction", textcoords="offset points", va="top",
+                fontsize=7.5)  # fmt: skip
     ax.set_title(f"{shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from suspid.wording import AtCommandLine
 from suspid.words.remarks import Code, Number, amount, count, in_a_row, percent, sentence
@@ -28,6 +29,15 @@ def _modes(number: Number) -> str:
 def _rough(n: Mapping[str, Number]) -> list[str]:
     names = {"wn": "frequency", "zeta": "damping ratio"}
     return [f"the {name} is known only to {percent(float(str(n[key])))}" for key, name in names.items() if key in n]
+
+
+def _over_amplitude(n: Mapping[str, Any]) -> str:
+    """Return frequency and damping at the largest and the smallest amplitude; a frequency that is the same once."""
+    ends = [f"zeta {n[f'{end}_zeta']:.2g} ± {n[f'{end}_within']:.1g} at {n[end]:.3g}" for end in ("high", "low")]
+    hertz = [f"{n[f'{end}_hz']:.4g} Hz" for end in ("high", "low")]
+    if hertz[0] == hertz[1]:
+        return f"{', '.join(ends)}, and {hertz[0]} at both"
+    return ", ".join(f"{one} and {other}" for one, other in zip(hertz, ends, strict=True))
 
 
 class ModeCheck(Code):
@@ -218,8 +228,9 @@ class ModeCheck(Code):
     )
     MULTIPLE = (
         "multiple",
-        "Mode {other} turns at {multiple} times the frequency of mode {one} and is damped alike: what a swing does "
-        "across its way, or a sensor or spring that bends, looks the same. It may be no mode of its own.",
+        "Mode {other} turns at {multiple} times the frequency of mode {one} and is, as far as is known, damped "
+        "alike: what a swing does across its way, or a sensor or spring that bends, looks the same. It may be no mode "
+        "of its own.",
     )
     RESIDUAL_WHITE = "residual white", "The residual near the modes is no larger than white noise."
     RESIDUAL_LOUD = (
@@ -383,10 +394,8 @@ class ModeCheck(Code):
         "amplitude",
         sentence(
             lambda n: (
-                f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} ± "
-                f"{n['high_within']:.1g} at {n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} ± "
-                f"{n['low_within']:.1g} at {n['low']:.3g} (in the unit of channel {n['channel']!r}). The table "
-                f"has means; its frequency is that at {n['holds']:.3g}."
+                f"Mode {n['mode']} depends on its amplitude: {_over_amplitude(n)} (in the unit of channel "
+                f"{n['channel']!r}). The table has means; its frequency is that at {n['holds']:.3g}."
             )
         ),
     )
