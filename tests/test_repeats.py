@@ -114,6 +114,29 @@ class TestBound:
         # 144 squares, correlated in pairs.
         assert 0.6 < float(np.mean(scores)) < 1.5
 
+    def test_shapes_of_a_pair_and_of_a_real_pole(self) -> None:
+        """A real pole has real amplitudes: the variance of their imaginary part, none, took part in the weights."""
+        t, scores = np.arange(400) / 50, []
+        for seed in range(12):
+            rng, parts = np.random.default_rng(seed), []
+            for a, b in ((1.0, 0.5), (-0.7, 0.3), (0.4, 0.8)):
+                swing, fall = a * np.exp(-0.3 * t) * np.cos(12 * t), b * np.exp(-1.5 * t)
+                values = np.array([swing + fall, 0.5 * swing - 0.3 * fall]) + 1e-3 * rng.standard_normal((2, t.size))
+                parts.append(as_response(t, values, ("seat", "tire")))
+            found = identify_repeats(parts).modes
+            # Noise of some seeds would let the real pole be a pair as well.
+            if found.kinds != ("real", "pair"):
+                continue
+            assert found.shapes is not None
+            assert found.covariance is not None
+            np.testing.assert_allclose(found.shapes[1], [-0.3, 0.5], atol=3e-3)
+            std = np.sqrt(np.diag(found.covariance))[[6, 10, 11]]
+            apart = found.shapes[1] - [-0.3, 0.5]
+            scores.append(np.array([apart[0].real, apart[1].real, apart[1].imag]) / std)
+        # 24 squares or more of about unit variance.
+        assert len(scores) >= 8
+        assert 0.5 < float(np.mean(np.square(scores))) < 1.7
+
     def test_one_decay_alone_is_identify(self) -> None:
         noisy = record(decays()[:1], std=3e-4, seed=1)
         found, alone = identify_repeats(noisy, spans()[:1]).modes, identify(noisy).modes

@@ -234,8 +234,9 @@ def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[Com
     cost = np.linalg.norm(whiten @ left)
     for _ in range(8):
         slopes = _slopes(q, phi, strongest)
-        used = np.flatnonzero(np.any(slopes != 0, axis=0))
-        white = whiten @ slopes[:, used]
+        white = whiten @ slopes
+        used = np.flatnonzero(np.any(white != 0, axis=0))
+        white = white[:, used]
         unit = 1 / np.linalg.norm(white, axis=0)
         solve = np.zeros((slopes.shape[1], data.size))
         solve[used] = unit[:, None] * np.linalg.pinv(white * unit) @ whiten
@@ -271,8 +272,12 @@ def _slopes(q: ComplexArray, phi: ComplexArray, strongest: NDArray[np.intp]) -> 
 
 
 def _whitening(covariance: RealArray) -> RealArray:
-    """Return W with ``W^T W`` the inverse of a covariance, eigenvalues raised to `LEAST_VARIANCE` of the largest."""
-    scale = 1 / np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
+    """Return W with ``W^T W`` the inverse of a covariance, eigenvalues raised to `LEAST_VARIANCE` of the largest.
+
+    What has no variance, as the imaginary part of the amplitude of a real pole, is left out.
+    """
+    variances = covariance.diagonal()
+    scale = np.where(variances > 0, 1 / np.sqrt(np.where(variances > 0, variances, 1.0)), 0.0)
     values, vectors = np.linalg.eigh(covariance * np.outer(scale, scale))
     return np.asarray((vectors * scale[:, None] / np.sqrt(np.maximum(values, LEAST_VARIANCE * values[-1]))).T)
 
