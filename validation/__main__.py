@@ -27,6 +27,7 @@ REPORTS = (
     "free_decay",
     "decays",
     "rigs",
+    "repeats",
     "pushed",
     "fleet",
     "fuzz",

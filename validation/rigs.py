@@ -271,18 +271,25 @@ def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, R
     return rig, np.asarray(held)
 
 
-def release(kind: str, masses: int, *, seed: int) -> Release:
+def release(
+    kind: str, masses: int, *, seed: int, first: Release | None = None, test: int = 0, damping: float = 1.0
+) -> Release:
     """Return a random record: rest, in half of the records a pull, a held force, release, dead stop.
 
     The rate is 100 to 1000 Hz (at least ten samples in a period of the fastest mode), encoders have 8 to 12 bits over
     1.1 to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds. Accelerometers are
     sampled three times as fast; their noise is 0.1 to 1.5 % of the largest value, as that of other noisy sensors, their
-    offset up to 5 % of it.
+    offset up to 5 % of it. Another ``test`` than the ``first`` is of the same rig, let go from 0.5 to 1 of the way, by
+    the same clock; its dampers and friction may be others by a factor.
     """
     rng = np.random.default_rng([seed, masses, SEEDED.index(kind)])
     rig, held = random_rig(kind, masses, rng)
     rate = float(np.exp(rng.uniform(np.log(max(100.0, 10 * rig.wn[-1] / (2 * np.pi))), np.log(1000.0))))
     rate *= 3 if kind == FELT else 1
+    if first is not None:
+        rng = np.random.default_rng([seed, masses, SEEDED.index(kind), test])
+        held = held * rng.uniform(0.5, 1.0)
+        rig = replace(rig, damping=damping * rig.damping, friction=damping * rig.friction)
     before, after = rng.uniform(0.2, 1.0), rng.uniform(0.5, 2.0) + rng.uniform(0.0, 1.0)
     time = np.arange(int(rate * (before + after))) / rate
     moved = released(rig, held, np.concatenate([[0.0], time[time > before] - before]))
@@ -306,8 +313,10 @@ def release(kind: str, masses: int, *, seed: int) -> Release:
             bits = int(rng.integers(8, 13))
             step = rng.uniform(1.1, 2.0) * 2 * float(np.max(np.abs(values))) / 2**bits
             values = step * np.round(values / step + rng.uniform(-0.5, 0.5, (masses, 1)))
-    clock = rng.integers(3)
+    clock = int(rng.integers(3))
     pace = 1 + rng.uniform(-1e-3, 1e-3) if clock == 1 else 1.0
+    if first is not None:
+        clock, pace = 1, first.pace
     stamps = np.round(time, 3) if clock == 2 else pace * time
     return Release(
         rig=rig,
