@@ -81,6 +81,14 @@ def test_one_mode_at_an_amplitude_that_all_met(found: Repeats) -> None:
     assert min(abs(one.modes.zeta[0] / found.modes.zeta[0] - 1) for one in found.each) > 0.05
 
 
+def test_frequencies_over_amplitude_are_those_of_the_exact_motion() -> None:
+    """Friction turns round where the motion turns: straight lines between samples put that late, the more the later."""
+    motion = rubbed(1.0) + 1e-5 * np.random.default_rng(1).standard_normal(T.size)
+    (table,) = identify(as_record((T, motion))).amplitude_dependence
+    exact = WN * np.sqrt((1 - ZETA**2) / (1 - table.zeta**2))
+    np.testing.assert_allclose(table.wn, exact, rtol=2e-4)
+
+
 def test_they_are_compared_there(found: Repeats) -> None:
     assert found.consistency[0].held == (0, 1, 2)
     assert found.consistency[0].widening == 1

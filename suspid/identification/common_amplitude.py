@@ -18,6 +18,10 @@ ONE_MODE = 0.25
 # Standard deviations of what a table says at one amplitude are taken this many times as large: each fit has forces of
 # its own choice, and what those miss there is not in them.
 ROOM = 2.0
+# Shares: of the step from window to window, how far a frequency between them is off; of the difference between a power
+# and a straight line, how far the damping is. And the change of frequency in an e-folding of amplitude that one window
+# alone may hide, over the frequency.
+STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.1, 0.25, 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -60,20 +64,38 @@ def overlap(tables: Sequence[AmplitudeDependence | None]) -> float | None:
 def pole_at(table: AmplitudeDependence, amplitude: float) -> tuple[complex, RealArray]:
     """Return the pole at an amplitude, with the covariance of its real and imaginary part.
 
-    By how much a smooth curve and straight lines between the windows differ there is in it.
+    Between windows the damping follows a power of the amplitude, as friction and drag make it. In the covariance is how
+    far straight lines are from that, and that a window says the mean over its amplitudes: with damping that falls as
+    1 over the amplitude, and a window from which a mode falls by w e-foldings, it is w^2 / 24 above that of its middle.
     """
-    (wn, zeta), stds = table.at(amplitude), np.array(table.stds_at(amplitude))
     amplitudes, rows = np.unique(table.amplitude, return_index=True)
-    if len(amplitudes) > 2:
-        from scipy.interpolate import PchipInterpolator
-
-        smooth = PchipInterpolator(np.log(amplitudes), np.stack([table.wn, table.zeta])[:, rows], axis=1)
-        straight = np.array([wn, zeta])
-        wn, zeta = smooth(np.log(amplitude)).tolist()
-        stds = np.hypot(stds, np.array([wn, zeta]) - straight)
+    (wn, zeta), stds = table.at(amplitude), np.array(table.stds_at(amplitude))
+    nearest = rows[np.argmin(np.abs(np.log(amplitudes / amplitude)))]
+    fall = float(table.wn[nearest] * abs(table.zeta[nearest])) * (table.spans[nearest][1] - table.spans[nearest][0])
+    within = np.array([STEEPEST_WN * wn, zeta]) * fall**2 / 24
+    if len(amplitudes) > 1:
+        straight, place = zeta, np.log(amplitude)
+        if np.all(table.zeta > 0):
+            zeta = float(np.exp(_smooth(np.log(amplitudes), np.log(table.zeta[rows]), place)))
+        wn = _smooth(np.log(amplitudes), table.wn[rows], place)
+        after = int(np.clip(np.searchsorted(amplitudes, amplitude), 1, len(amplitudes) - 1))
+        pair, far = rows[after - 1 : after + 1], np.log(amplitudes[after] / amplitudes[after - 1])
+        steep = float(np.log(np.max(np.abs(table.zeta[pair])) / np.min(np.abs(table.zeta[pair])))) / far
+        within = np.array([STEP_SHARE * abs(np.diff(table.wn[pair])[0]), within[1] * steep**2])
+        stds = np.hypot(stds, [0.0, OFF_SHARE * (zeta - straight)])
+    stds = np.hypot(stds, within)
     pole = complex(-zeta * wn, wn * np.sqrt(max(1 - zeta**2, 0.0)))
     to_pole = np.linalg.pinv(jacobian_of(pole))
     return pole, ROOM**2 * to_pole @ np.diag(stds**2) @ to_pole.T
+
+
+def _smooth(places: RealArray, values: RealArray, place: float) -> float:
+    """Return a value between given ones, which no curve through them leaves."""
+    if len(places) < 3:
+        return float(np.interp(place, places, values))
+    from scipy.interpolate import PchipInterpolator
+
+    return float(PchipInterpolator(places, values)(np.clip(place, places[0], places[-1])))
 
 
 def at_common_amplitudes(found: Described, expected: Described) -> tuple[ModalSet, ModalSet, tuple[Remark, ...]]:

@@ -15,7 +15,7 @@ from suspid.identification.nonlinear.turns import (
     measured_turns,
     middles,
     prolonged,
-    turns_through_zero,
+    turns_between,
 )
 from suspid.levels import SURE
 from suspid.units import ComplexArray, RealArray
@@ -96,10 +96,11 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     # What falls faster swings nowhere, and its powers backwards in time overflow.
     more = more if -theta.real * more < FASTEST_FALL else 0
     first = window.indices(fit.states.shape[1])[0]
-    push = fit.drive.gains[pole] @ fit.drive.forces[:, [first, first + len(state) - 1]]
+    pushes = fit.drive.gains[pole] @ fit.drive.forces[:, first : first + len(state)]
     measured = (fit.values - fit.residual)[strongest, window][: len(state)]
-    state = prolonged(state, theta, push, more)
-    times = turns_through_zero(np.real(amplitude * theta * state)) - more
+    state = prolonged(state, theta, pushes[[0, -1]], more)
+    rise = theta * state + np.pad(pushes, more, mode="edge")
+    times = turns_between(np.real(amplitude * theta * state), np.real(amplitude * theta * rise), theta.imag) - more
     times = times[(times > -most) & (times < len(measured) - 1 + most)]
     changed = _changed_by_forces(fit, pole, strongest)
     if changed:

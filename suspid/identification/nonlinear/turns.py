@@ -149,3 +149,30 @@ def turns_through_zero(speed: RealArray) -> RealArray:
     """
     passed = np.flatnonzero((speed[:-1] > 0) != (speed[1:] > 0))
     return np.asarray(passed + speed[passed] / (speed[passed] - speed[passed + 1]))
+
+
+def turns_between(speed: RealArray, rise: RealArray, turn: float) -> RealArray:
+    """Return where a speed passes through 0, in samples, from how fast it rises at each sample.
+
+    Friction changes the rise at the very turn: from either side the speed goes on as a swing of the angular frequency
+    ``turn`` per sample about a middle of its own, and straight lines put the turn too late.
+
+    Examples
+    --------
+    >>> sine = np.sin(0.5 * (np.arange(5) - 2.2))
+    >>> rises = 0.5 * np.cos(0.5 * (np.arange(5) - 2.2))
+    >>> turns_between(np.where(sine < 0, 2 * sine, sine), np.where(sine < 0, 2 * rises, rises), 0.5).round(12)
+    array([2.2])
+    """
+    passed = np.flatnonzero((speed[:-1] > 0) != (speed[1:] > 0))
+    before, after = speed[passed], speed[passed + 1]
+    share = before / (before - after)
+    rises = rise[passed], rise[passed + 1]
+    # The speed falls to 0 from either side, unless other motion bends it between the samples.
+    falls = (before * rises[0] < 0) & (after * rises[1] > 0)
+    ahead, behind = (
+        np.arctan(turn * np.abs(one) / np.maximum(np.abs(by), np.finfo(float).tiny)) / turn
+        for one, by in zip((before, after), rises, strict=True)
+    )
+    from_both = np.clip((1 - share) * ahead + share * (1 - behind), 0.0, 1.0)
+    return np.asarray(passed + np.where(falls, from_both, share))
