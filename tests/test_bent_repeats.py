@@ -16,7 +16,7 @@ from suspid import IdentificationError, InputError, Repeats, as_record, identify
 from suspid.cli.main import main
 from suspid.identification import described_from_dict, identification_to_dict, to_json
 from suspid.identification.by_amplitude import joined
-from suspid.reporting import json_schema
+from suspid.reporting import content_of, json_schema, report, report_to_dict
 from suspid.words import Level, ModeCheck
 
 Real = NDArray[np.float64]
@@ -103,6 +103,27 @@ def test_more_friction_in_one_is_said() -> None:
     assert ModeCheck.REPEATS_DISAGREE in codes(other, Level.CARE)
     assert other.consistency[0].odd == 2
     assert "on amplitude, or" not in str(other.verdict)
+
+
+def test_pictures_show_each_decay_and_the_joint_mode(found: Repeats) -> None:
+    upper, lower = found.plot().axes.ravel()
+    (diamond,) = [line for line in lower.lines if line.get_marker() == "D"]
+    (table,) = found.amplitude_dependence
+    assert table is not None
+    assert diamond.get_xydata().tolist() == [[table.holds_at, found.modes.zeta[0]]]
+    assert [text.get_text() for text in lower.get_legend().get_texts()] == ["joint", "A", "B", "C"]
+    assert (upper.get_ylabel(), lower.get_ylabel()) == ("frequency [Hz]", "damping ratio [1]")
+    low, high = lower.get_ylim()
+    assert low < min(one.amplitude_dependence[0].zeta.min() for one in found.each)
+    assert high > max(one.amplitude_dependence[0].known.zeta.max() for one in found.each)
+
+
+def test_the_report_says_at_which_amplitude(found: Repeats) -> None:
+    content = content_of(found.each[0], repeats=found)
+    page = report(content)
+    assert "Each mode is that of the single decays at the middle of the amplitudes that all of them met" in page
+    assert "Poles common to all decays" not in page
+    jsonschema.validate(report_to_dict(content), json_schema("report"))
 
 
 def test_errors_are_not_averaged_out(found: Repeats) -> None:

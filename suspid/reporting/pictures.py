@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from suspid.cleaning import Cleaned
     from suspid.decays import Decay
-    from suspid.identification import Identification
+    from suspid.identification import Identification, Repeats
     from suspid.wavelets import BandwidthSearch
 
 # Width of a picture that stands beside others, and of one across the whole page [inch of 96 pixels]: the first fits a
@@ -68,11 +68,18 @@ class Pictures:
     shapes: tuple[Picture, ...]
     skeletons: tuple[Picture, ...]
     amplitudes: Picture | None
+    joint_amplitudes: Picture | None
     overviews: tuple[Picture, ...]
 
 
 def pictures_of(
-    found: Identification, *, cleaned: Cleaned | None, decays: Sequence[Decay], units: Sequence[str], used: int | None
+    found: Identification,
+    *,
+    cleaned: Cleaned | None,
+    decays: Sequence[Decay],
+    units: Sequence[str],
+    used: int | None,
+    repeats: Repeats | None = None,
 ) -> Pictures:
     """Draw all pictures of a report."""
     with page_style():
@@ -85,6 +92,7 @@ def pictures_of(
             shapes=tuple(shape_pictures(found.modes, units)),
             skeletons=tuple(_skeleton(ridge, k) for k, ridge in enumerate(found.ridges[:MOST_RIDGES], 1)),
             amplitudes=_amplitudes(found),
+            joint_amplitudes=None if repeats is None else _joint_amplitudes(repeats),
             overviews=tuple(_overviews(found, cleaned, decays, used)),
         )
 
@@ -243,7 +251,14 @@ def _amplitudes(found: Identification) -> Picture | None:
     return picture(partial(_draw_amplitudes, found), name="amplitudes", described=described, height=3.1)
 
 
-def _draw_amplitudes(found: Identification, figure: Figure) -> None:
+def _joint_amplitudes(repeats: Repeats) -> Picture | None:
+    if not any(each is not None for each in repeats.amplitude_dependence):
+        return None
+    described = "Frequency and damping of each joint mode against its amplitude, by decay"
+    return picture(partial(_draw_amplitudes, repeats), name="joint-amplitudes", described=described, height=3.1)
+
+
+def _draw_amplitudes(found: Identification | Repeats, figure: Figure) -> None:
     axes = np.asarray(figure.subplots(2, len(found.amplitude_dependence), sharex="col", squeeze=False), dtype=object)
     plot_amplitude(found, axes=axes)
     figure.align_ylabels(list(axes[:, 0]))

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.arguments import explained
-from suspid.identification import AmplitudeDependence, Identification
+from suspid.identification import AmplitudeDependence, Identification, Repeats
 from suspid.levels import NORMAL_95
 from suspid.reporting.axes import checked_grid, in_legend, label_within
-from suspid.reporting.colours import Colour
+from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.results import check_kind
 from suspid.units import RealArray
 from suspid.wavelets import Ridge
@@ -22,15 +22,16 @@ if TYPE_CHECKING:
 
 
 @explained
-def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
+def plot_amplitude(found: Identification | Repeats, *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
     """Draw natural frequency and damping ratio of each mode against its amplitude, with 95 % bands.
 
     Open circles are slopes of the skeleton of the nearest ridge over the same windows of time: a second way to the same
-    curve, without forces and without a fit of the whole decay.
+    curve, without forces and without a fit of the whole decay. Of several decays each has a line, and the joint mode is
+    a diamond at its amplitude.
 
     Parameters
     ----------
-    found : Identification
+    found : Identification or Repeats
         Modes that depend on their amplitude.
     axes : (2, mode) of matplotlib.axes.Axes
         Where to draw: frequency above, damping below.
@@ -55,7 +56,10 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
     >>> axes[1, 0].get_xlabel()
     'amplitude in angle'
     """
-    check_kind(found, {"Identification": "identify"})
+    check_kind(found, {"Identification": "identify", "Repeats": "identify_repeats"})
+    if isinstance(found, Repeats):
+        _plot_joint(found, checked_grid(axes, (2, len(found.amplitude_dependence))))
+        return
     grid = checked_grid(axes, (2, len(found.amplitude_dependence)))
     for mode, each in enumerate(found.amplitude_dependence):
         ridges = [ridge for ridge in found.ridges if abs(np.log(ridge.omega / found.modes.wn[mode])) < np.log(1.1)]
@@ -74,6 +78,40 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
         label_within(grid[1, mode], f"amplitude in {in_legend(each.channel)}")
         for ax in grid[:, mode]:
             ax.axvline(each.holds_at, color=Colour.VERMILION, linewidth=0.8, linestyle="--")
+
+
+def _plot_joint(found: Repeats, grid: NDArray[np.object_]) -> None:
+    """Draw the tables of each decay, in a colour of its own, and the joint modes."""
+    names = found.names or [f"decay {number}" for number in range(1, len(found.each) + 1)]
+    hertz = 2 * np.pi
+    for mode, (joint, agreement) in enumerate(zip(found.amplitude_dependence, found.consistency, strict=True)):
+        ends: list[list[float]] = [[], []]
+        for decay in agreement.held:
+            own = found.each[decay]
+            nearest = int(np.argmin(np.abs(np.log(own.modes.wn / found.modes.wn[mode]))))
+            if not own.amplitude_dependence:
+                continue
+            each = own.amplitude_dependence[nearest].known
+            colour, order = CHANNEL_COLOURS[decay % len(CHANNEL_COLOURS)], np.argsort(each.amplitude)
+            rows = (each.wn / hertz, each.wn_std / hertz), (each.zeta, each.zeta_std)
+            for ax, reached, (value, std) in zip(grid[:, mode], ends, rows, strict=True):
+                ax.errorbar(
+                    each.amplitude[order], value[order], NORMAL_95 * std[order], fmt=".-", color=colour,
+                    linewidth=1.0, markersize=4, label=in_legend(names[decay]),
+                )  # fmt: skip
+                reached += [float(np.min(value)), float(np.max(value))]
+            label_within(grid[1, mode], f"amplitude in {in_legend(each.channel)}")
+        values = float(found.modes.wn[mode]) / hertz, float(found.modes.zeta[mode])
+        for ax, own_value, reached in zip(grid[:, mode], values, ends, strict=True):
+            if joint is not None:
+                ax.plot(joint.holds_at, own_value, "D", color=Colour.BLACK, markersize=5, zorder=3, label="joint")
+            # A window of which little is known must not hide the others.
+            low, high = min([own_value, *reached]), max([own_value, *reached])
+            room = 0.2 * (high - low) + 1e-3 * abs(own_value)
+            ax.set_ylim(low - room, high + room)
+        grid[0, mode].set(title=f"mode {mode + 1}", ylabel="frequency [Hz]" if mode == 0 else "")
+        grid[1, mode].set(ylabel="damping ratio [1]" if mode == 0 else "")
+    grid[1, 0].legend(loc="best", fontsize="x-small", framealpha=0.8)
 
 
 def _draw(ax: Axes, amplitude: RealArray, value: RealArray, std: RealArray) -> None:

@@ -147,7 +147,12 @@ def _fields(content: Content) -> dict[str, object]:
         "checks": modes,
         "channels": channel_rows(shown, content.units),
         "pictures": pictures_of(
-            shown, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
+            shown,
+            cleaned=content.cleaned,
+            decays=analysis.decays,
+            units=content.units,
+            used=content.used,
+            repeats=repeats,
         ),
         "view": view_of(shown),
         "fits": [(short_name(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][
@@ -161,6 +166,7 @@ def _fields(content: Content) -> dict[str, object]:
         "used": content.used,
         "poles": pole_rows(shown),
         "repeats": None if repeats is None else repeat_rows(repeats, level),
+        "bent_repeats": repeats is not None and bool(repeats.amplitude_dependence),
         "limits": limit_rows(content.limits),
         "springs": [] if best is None else spring_rows(best, level),
         "others": 0 if best is None else len(best.alternatives),
