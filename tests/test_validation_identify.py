@@ -5,7 +5,8 @@ import pytest
 
 from suspid import identify
 from suspid.records import as_response
-from validation import close_modes, no_decay, steadiness
+from suspid.words import Level
+from validation import close_modes, no_decay, repeats, rigs, steadiness
 
 
 class TestCars:
@@ -85,3 +86,34 @@ class TestSteadiness:
         assert steadiness.kept("quarter car of the paper", 3) == steadiness.Kept(
             modes=True, intervals=True, verdict=True, decays=True
         )
+
+
+class TestRepeats:
+    def test_tests_are_of_one_rig_by_one_clock(self) -> None:
+        first = rigs.release("friction", 1, seed=4)
+        other = rigs.release("friction", 1, seed=4, first=first, test=1, damping=2.0)
+        assert other.pace == first.pace
+        np.testing.assert_allclose(other.rig.stiffness, first.rig.stiffness)
+        np.testing.assert_allclose(other.rig.friction, 2 * first.rig.friction)
+        assert 0.5 < abs(other.motion.position[0, 0] / first.motion.position[0, 0]) < 1
+
+    def test_the_truth_is_that_of_the_exact_motion(self) -> None:
+        """Of a bilinear damper both are the same at each amplitude."""
+        first = rigs.release("bilinear", 1, seed=4)
+        sizes, wn, zeta = rigs.equivalent(first, first.start, first.stop)
+        assert repeats._at(first, float(np.median(sizes))) == pytest.approx((wn[0], zeta[0]), rel=1e-4)
+
+    def test_shares_count_each_what_it_is_of(self) -> None:
+        off = repeats.Joint(right=True, common=True, wn=0.02, zeta=-0.2, sds=(5.0, 1.0), level=Level.SOUND, told=True)
+        alone = repeats.Joint(right=True, disagrees=True, same=True, told=False)
+        shares = repeats._shares([off, alone, repeats.Joint()])
+        assert shares == ["67 %", "50 %", "0 %", "0 %", "0 %", "100 %", "50 %", "100 %", "50 %", "33 %"]
+
+    @pytest.mark.slow
+    def test_one_rig(self) -> None:
+        found = repeats.joint("bilinear", 0)
+        assert found.right
+        assert found.common
+        assert found.same
+        assert found.told
+        assert abs(found.zeta) < 0.01
