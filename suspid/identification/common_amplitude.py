@@ -17,11 +17,11 @@ from suspid.words import AmplitudeRemark, Remark
 ONE_MODE = 0.25
 # Standard deviations of what a table says at one amplitude are taken this many times as large: each fit has forces of
 # its own choice, and what those miss there is not in them.
-ROOM = 2.0
-# Shares: of the step from window to window, how far a frequency between them is off; of the difference between a power
-# and a straight line, how far the damping is. And the change of frequency in an e-folding of amplitude that one window
-# alone may hide, over the frequency.
-STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.1, 0.25, 0.1
+ROOM = 1.5
+# Shares: of the change of frequency within a window, how far it is off; of what powers differ from straight lines, and of
+# the change beyond the windows, how far the damping is. And the change of frequency in an e-folding of amplitude that
+# one window alone may hide, over the frequency.
+STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.15, 0.25, 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -56,46 +56,66 @@ def overlap(tables: Sequence[AmplitudeDependence | None]) -> float | None:
     known = [table.known for table in tables if table is not None]
     if len(known) < len(tables) or len({table.channel for table in known}) > 1:
         return None
-    low = max(float(np.min(table.amplitude)) for table in known)
-    high = min(float(np.max(table.amplitude)) for table in known)
+    ends = np.array([_ends(table) for table in known])
+    low, high = float(np.max(ends[:, 0])), float(np.min(ends[:, 1]))
     return float(np.sqrt(low * high)) if low <= high else None
+
+
+def _ends(table: AmplitudeDependence) -> tuple[float, float]:
+    """Return the smallest and the largest amplitude within the windows of a table; each has that of its middle."""
+    reach = np.exp(0.5 * _falls(table))
+    return float(np.min(table.amplitude / reach)), float(np.max(table.amplitude * reach))
+
+
+def _falls(table: AmplitudeDependence) -> RealArray:
+    """Return by how many e-foldings a mode falls within each window."""
+    lasts = np.array([stop - start for start, stop in table.spans])
+    return np.asarray(table.wn * np.abs(table.zeta) * lasts)
 
 
 def pole_at(table: AmplitudeDependence, amplitude: float) -> tuple[complex, RealArray]:
     """Return the pole at an amplitude, with the covariance of its real and imaginary part.
 
-    Between windows the damping follows a power of the amplitude, as friction and drag make it. In the covariance is how
-    far straight lines are from that, and that a window says the mean over its amplitudes: with damping that falls as
-    1 over the amplitude, and a window from which a mode falls by w e-foldings, it is w^2 / 24 above that of its middle.
+    Between windows, and to the ends of the first and the last, the damping follows a power s of the amplitude, as
+    friction and drag make it. A window from which the mode falls by w e-foldings says the mean over its amplitudes,
+    ``1 + s^2 w^2 / 24`` times that of its middle. That, a share of what the curve differs from straight lines, and of
+    what it changes beyond the windows, is in the covariance; where there is one window, all that friction would change.
     """
     amplitudes, rows = np.unique(table.amplitude, return_index=True)
-    (wn, zeta), stds = table.at(amplitude), np.array(table.stds_at(amplitude))
-    nearest = rows[np.argmin(np.abs(np.log(amplitudes / amplitude)))]
-    fall = float(table.wn[nearest] * abs(table.zeta[nearest])) * (table.spans[nearest][1] - table.spans[nearest][0])
-    within = np.array([STEEPEST_WN * wn, zeta]) * fall**2 / 24
+    logs, place = np.log(amplitudes), float(np.log(amplitude))
+    (wn, zeta), stds = table.at(amplitude), table.stds_at(amplitude)
+    slopes, guessed, bent = np.array([STEEPEST_WN * wn, abs(zeta)]), 1.0, 0.0
     if len(amplitudes) > 1:
-        straight, place = zeta, np.log(amplitude)
-        if np.all(table.zeta > 0):
-            zeta = float(np.exp(_smooth(np.log(amplitudes), np.log(table.zeta[rows]), place)))
-        wn = _smooth(np.log(amplitudes), table.wn[rows], place)
+        curve = _power if np.all(table.zeta > 0) else _smooth
+        wn, straight, zeta = _smooth(logs, table.wn[rows], place), zeta, curve(logs, table.zeta[rows], place)
         after = int(np.clip(np.searchsorted(amplitudes, amplitude), 1, len(amplitudes) - 1))
-        pair, far = rows[after - 1 : after + 1], np.log(amplitudes[after] / amplitudes[after - 1])
-        steep = float(np.log(np.max(np.abs(table.zeta[pair])) / np.min(np.abs(table.zeta[pair])))) / far
-        within = np.array([STEP_SHARE * abs(np.diff(table.wn[pair])[0]), within[1] * steep**2])
-        stds = np.hypot(stds, [0.0, OFF_SHARE * (zeta - straight)])
-    stds = np.hypot(stds, within)
+        pair = rows[after - 1 : after + 1]
+        slopes = np.abs([np.diff(table.wn[pair])[0], np.diff(table.zeta[pair])[0]]) / (logs[after] - logs[after - 1])
+        guessed, bent = OFF_SHARE, OFF_SHARE * (zeta - straight)
+    beyond = max(logs[0] - place, place - logs[-1], 0.0)
+    fall = float(_falls(table)[rows[np.argmin(np.abs(logs - place))]])
+    of_window = min(slopes[1] * fall / max(abs(zeta), 1e-300) * fall / 24, 1.0) * slopes[1]
+    off_wn = slopes[0] * (STEP_SHARE * fall + guessed * beyond)
+    off_zeta = np.linalg.norm([bent, of_window, guessed * beyond * slopes[1]])
     pole = complex(-zeta * wn, wn * np.sqrt(max(1 - zeta**2, 0.0)))
-    to_pole = np.linalg.pinv(jacobian_of(pole))
-    return pole, ROOM**2 * to_pole @ np.diag(stds**2) @ to_pole.T
+    to_pole = ROOM * np.linalg.pinv(jacobian_of(pole)) * np.hypot(stds, [off_wn, off_zeta])
+    return pole, to_pole @ to_pole.T
 
 
 def _smooth(places: RealArray, values: RealArray, place: float) -> float:
-    """Return a value between given ones, which no curve through them leaves."""
-    if len(places) < 3:
-        return float(np.interp(place, places, values))
-    from scipy.interpolate import PchipInterpolator
+    """Return a value between given ones, which no curve through them leaves; beyond the ends straight lines go on."""
+    if places[0] <= place <= places[-1] and len(places) > 2:
+        from scipy.interpolate import PchipInterpolator
 
-    return float(PchipInterpolator(places, values)(np.clip(place, places[0], places[-1])))
+        return float(PchipInterpolator(places, values)(place))
+    first = 0 if place < places[1] else len(places) - 2
+    slope = (values[first + 1] - values[first]) / (places[first + 1] - places[first])
+    return float(values[first] + slope * (place - places[first]))
+
+
+def _power(places: RealArray, values: RealArray, place: float) -> float:
+    """Return the same between logarithms."""
+    return float(np.exp(_smooth(places, np.log(values), place)))
 
 
 def at_common_amplitudes(found: Described, expected: Described) -> tuple[ModalSet, ModalSet, tuple[Remark, ...]]:
