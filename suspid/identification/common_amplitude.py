@@ -18,9 +18,9 @@ ONE_MODE = 0.25
 # Standard deviations of what a table says at one amplitude are taken this many times as large: each fit has forces of
 # its own choice, and what those miss there is not in them.
 ROOM = 1.5
-# Shares: of the change of frequency within a window, how far it is off; of what powers differ from straight lines, and of
-# the change beyond the windows, how far the damping is. And the change of frequency in an e-folding of amplitude that
-# one window alone may hide, over the frequency.
+# Shares: of the change of frequency within a window, how far it is off; of what powers differ from straight lines, and
+# of the change beyond the windows, how far the damping is. And the change of frequency in an e-folding of amplitude
+# that one window alone may hide, over the frequency.
 STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.15, 0.25, 0.1
 
 
