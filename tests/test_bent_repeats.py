@@ -209,6 +209,11 @@ def test_results_are_compared_at_a_common_amplitude(tmp_path: Path) -> None:
         ({"zeta": None}, "must be lists of one length"),
         ({"zeta": []}, "must be lists of one length"),
         ({"amplitude": [-1.0, 1.0]}, "amplitudes and wn above 0"),
+        ({"stop_s": [0.1, 0.1]}, "each with its stop after its start"),
+        ({"stop_s": [1e30, 1e30]}, "a window last at most"),
+        ({"wn_rad_per_s": [12.0, 120.0]}, "within half and twice that of its mode"),
+        ({"zeta": [0.1, 5.0]}, "zeta between -1 and 1"),
+        ({"channel": None}, "channel must be a name"),
         ({"holds_at": "x"}, "holds_at = 'x' must be a number"),
         ({"wn_rad_per_s": [1.0, "x"]}, "must be a number"),
         ({"wn_rad_per_s": [None, None]}, "a window at least"),
@@ -217,7 +222,7 @@ def test_results_are_compared_at_a_common_amplitude(tmp_path: Path) -> None:
 def test_damaged_tables_are_refused(change: dict[str, object], said: str) -> None:
     table: dict[str, object] = {"channel": "x", "holds_at": 1.0}
     names = ("start_s", "stop_s", "amplitude", "wn_rad_per_s", "wn_std_rad_per_s", "zeta", "zeta_std")
-    table |= {name: [0.1, 0.2] for name in names}
+    table |= {name: [0.1, 0.2] for name in names} | {"wn_rad_per_s": [12.0, 13.0], "stop_s": [0.3, 0.4]}
     modes = [{"frequency_hz": 2.0, "zeta": 0.3}]
     assert described_from_dict({"modes": modes, "amplitude_dependence": [table]}).tables[0] is not None
     with pytest.raises(InputError, match=said):

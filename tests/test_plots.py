@@ -428,17 +428,29 @@ class TestPage:
     def test_the_verdict_is_on_it(self, identification: Identification) -> None:
         """Whoever has the picture alone has the doubts as well, the gravest first; of a file, its name."""
         remark = Remark(ModeCheck.NOTHING_DECAYS)
-        checks = [Check(remark, Level.CARE)] * 4 + [Check(Remark(ModeCheck.RESIDUAL_WHITE), Level.DOUBTFUL)]
+        checks = [Check(remark, Level.CARE)] * 12 + [Check(Remark(ModeCheck.RESIDUAL_WHITE), Level.DOUBTFUL)]
         verdict = Verdict(Remark(Headline.MODES, {"modes": 3}), tuple(checks))
         figure = plot_identification(identification, Figure(figsize=PAGE), title="run_7.csv", verdict=verdict)
         figure.draw_without_rendering()
         words = "\n".join(text.get_text() for text in figure.axes[0].texts)
         assert "Verdict: 3 modes found: doubtful." in words
         assert 0 < words.index(str(Remark(ModeCheck.RESIDUAL_WHITE))) < words.index(str(remark)[:40])
-        assert "… and 1 more doubt" in words
+        assert "… and 6 more doubts" in words
         assert figure.axes[0].get_title(loc="left") == "run_7.csv — method likelihood"
         own = plot_identification(identification, Figure(figsize=PAGE)).axes[0].texts
         assert any(str(identification.verdict).split("\n")[0] in text.get_text() for text in own)
+
+    @pytest.mark.parametrize("size", [(8.27, 5.8), (4.0, 12.0), (8.27, 8.0), PAGE])
+    @pytest.mark.parametrize("words", [20, 400])
+    def test_a_long_verdict_leaves_the_panels_room(
+        self, identification: Identification, size: tuple[float, float], words: int
+    ) -> None:
+        """Layouts that collapse warn, and warnings are errors."""
+        doubt = Remark(ModeCheck.CHANNELS_UNEXPLAINED, {"channels": "seat " * words})
+        verdict = Verdict(Remark(Headline.MODES, {"modes": 3}), (Check(doubt, Level.CARE),) * 5)
+        none = replace(identification, modes=identification.modes[[]])
+        for found in (identification, none):
+            plot_identification(found, Figure(figsize=size), verdict=verdict).draw_without_rendering()
 
     @pytest.mark.parametrize("size", [PAGE, (12.0, 9.0)])
     def test_nothing_is_changed_by_drawing(self, identification: Identification, size: tuple[float, float]) -> None:

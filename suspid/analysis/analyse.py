@@ -179,7 +179,7 @@ def _of_several(
     stretches = []
     for name, one in zip(names, opened, strict=True):
         with naming(name):
-            stretches.append(stretch_of(held(one.cleaned, "record"), settings))
+            stretches.append(_alone(held(one.cleaned, "record"), settings))
     parts = [
         Part(source=k, name=name, record=record)
         for k, (name, one, stretch) in enumerate(zip(names, opened, stretches, strict=True))
@@ -220,6 +220,21 @@ def _of_several(
         notes=(*resampled, *springs.notes),
         tests=tests,
     )
+
+
+def _alone(record: control.TimeResponseData, settings: Settings) -> Used:
+    """Return the stretch of a recording that its analysis by itself ends with, in all channels at its own rate."""
+    stretch = stretch_of(record, settings)
+    if settings.start is not None or settings.stop is not None or len(stretch.used) > 1:
+        return stretch
+    try:
+        used = _found(record, replace(settings, modes=None), lambda _: None, of_car=True)[2]
+    except SuspidError:
+        return stretch
+    if len(used.used) > 1:
+        return used
+    ends = as_signal(used.record)
+    return replace(used, record=cut(record, start=ends.start, stop=float(ends.timepts[-1])))
 
 
 def _read(source: Source, car: Suspension | None, settings: Settings) -> Read:

@@ -206,7 +206,8 @@ class Analysis(Result):
                     *_of_recording(test),
                 )
             ]
-        doubts = doubts_of(self.used, self.identification, self.decays)
+        # Those of several tests are said of each of them.
+        doubts = () if self.tests else doubts_of(self.used, self.identification, self.decays)
         return Verdict(found.headline, (*doubts, *found.checks, *of_recording, *springs, *failed))
 
     def _answered(self, note: Remark) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,19 +39,21 @@ class Part:
 
 
 def source_names(sources: Sequence[str | os.PathLike[str] | Recording | control.TimeResponseData]) -> list[str]:
-    """Return what each of several sources is called: files by their shortest different names, others by number.
+    """Return what each of several sources is called: files by the shortest different ends of their paths, or by number.
 
     Examples
     --------
-    >>> source_names(["a/run 1.csv", "a/run 2.csv"]), source_names(["a/run.csv", "b/run.csv"])
+    >>> source_names(["a/run 1.csv", "a/run 2.csv"]), source_names(["x/a/run.csv", "x/b/run.csv"])
     (['run 1.csv', 'run 2.csv'], ['a/run.csv', 'b/run.csv'])
     """
     full = [
         os.fspath(one) if isinstance(one, str | os.PathLike) else one.title if isinstance(one, Recording) else ""
         for one in sources
     ]
-    short = [os.path.basename(name) for name in full]
-    names = short if len(set(short)) == len(short) else full
+    parts = [Path(name).parts for name in full]
+    most = max(map(len, parts), default=0)
+    ends = ([os.path.join("", *part[-depth:]) for part in parts] for depth in range(1, most + 1))
+    names = next((each for each in ends if len(set(each)) == len(each)), full)
     return [printable(name) or f"record {k}" for k, name in enumerate(names, 1)]
 
 

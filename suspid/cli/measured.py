@@ -74,7 +74,7 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
 
     check_apart(list(files), [plot, json_file])
     if plot and len(files) > 1:
-        raise click.UsageError("--plot takes one record: name one FILE.")
+        raise click.UsageError("--plot takes one record: name one FILE, or write a page of several with suspid report.")
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS[:3]) as step:
         figure_draft = outputs.enter_context(replacing(checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None

@@ -17,6 +17,8 @@ from suspid.model import ModalSet, common_mac, paired
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
+# Share of the decays that hold a mode at least.
+HELD_SHARE = 0.5
 # By decay, the number of the mode in it.
 Members: TypeAlias = dict[int, int]
 
@@ -36,10 +38,12 @@ def joined(each: Sequence[Identification]) -> Joined:
 
     Linear poles that are common to all would be between amplitudes that differ, and further ones would stand for that.
     So each mode is that of the single fits, at the middle of the amplitudes that all of its decays met, where they
-    are compared as well; where they met none in common, it is the mean over the cycles of each. The mean is weighted
-    with the information of each decay.
+    are compared as well, each weighted with its information; where they met none in common, it is the plain mean of
+    those over the cycles of each, with their scatter. A mode that less than half of the decays hold is left to them.
     """
     groups = _groups([found.modes for found in each])
+    # What few decays have their fits may have made; what they have in common, they have not.
+    groups = [members for members in groups if len(members) >= HELD_SHARE * len(each)] or groups
     if not groups:
         return Joined(modes=each[0].modes, consistency=(), loudness=frozen_real([]), amplitude_dependence=())
     parts = [_Mode.of(each, members) for members in groups]
@@ -93,14 +97,21 @@ class _Mode:
             covariances.append(covariance)
         informations = [np.asarray(np.linalg.pinv(covariance)) for covariance in covariances]
         agreement = agreement_of(found, informations, list(members))
-        together = np.linalg.pinv(np.sum(informations, axis=0))
-        mean = together @ np.sum([i @ p for i, p in zip(informations, found, strict=True)], axis=0)
+        if table is None and len(tables) > 1:
+            weights, widening = [np.eye(2) / len(found)] * len(found), 1.0
+        else:
+            together = np.linalg.pinv(np.sum(informations, axis=0))
+            weights, widening = [together @ information for information in informations], agreement.widening
+        mean = np.sum([w @ p for w, p in zip(weights, found, strict=True)], axis=0)
         # What the forces of a fit do not describe is alike in all decays: their errors add up, as those of one do.
-        spread = np.sum([together @ i @ _root(c) for i, c in zip(informations, covariances, strict=True)], axis=0)
+        spread = np.sum([w @ _root(c) for w, c in zip(weights, covariances, strict=True)], axis=0)
+        covariance = spread @ spread.T * widening
+        if table is None and len(tables) > 1:
+            covariance += np.cov(np.transpose(found)) / len(found)
         shape, of_shape = _shape(each, members)
         return cls(
             pole=complex(*mean),
-            covariance=spread @ spread.T * agreement.widening,
+            covariance=covariance,
             shape=shape,
             of_shape=of_shape,
             agreement=agreement,
@@ -110,17 +121,16 @@ class _Mode:
 
 
 def _groups(sets: Sequence[ModalSet]) -> list[Members]:
-    """Return which modes of the decays are one: each decay's are paired with the last seen of those before."""
+    """Return which modes of the decays are one: each decay's are paired with the means of those before."""
     groups: list[Members] = []
     for r, modes in enumerate(sets):
-        last = [(sets[s], k) for s, k in (next(reversed(members.items())) for members in groups)]
-        groups = [groups[g] for g in np.argsort([abs(known.poles[k]) for known, k in last], kind="stable")]
-        last.sort(key=lambda one: abs(one[0].poles[one[1]]))
+        groups.sort(key=lambda members: abs(_middle(sets, members)))
         pairs = dict[int, int]()
-        if last and len(modes):
+        if groups and len(modes):
+            shapes = [_shapes_of(sets[s])[:, k] for s, k in (next(iter(members.items())) for members in groups)]
             known = ModalSet(
-                poles=np.array([one.poles[k] for one, k in last]),
-                shapes=np.stack([_shapes_of(one)[:, k] for one, k in last], axis=1),
+                poles=np.array([_middle(sets, members) for members in groups]),
+                shapes=np.stack(shapes, axis=1),
                 channels=modes.channels,
             )
             pairs = paired(modes, known, mac=common_mac(modes, known), gate=ONE_MODE)
@@ -128,6 +138,11 @@ def _groups(sets: Sequence[ModalSet]) -> list[Members]:
             groups[group][r] = mode
         groups += [{r: mode} for mode in range(len(modes)) if mode not in pairs.values()]
     return groups
+
+
+def _middle(sets: Sequence[ModalSet], members: Members) -> complex:
+    """Return the mean pole of a mode so far."""
+    return complex(np.mean([sets[r].poles[k] for r, k in members.items()]))
 
 
 def _pooled(tables: Sequence[AmplitudeDependence | None]) -> AmplitudeDependence | None:
@@ -175,8 +190,9 @@ def _shape(each: Sequence[Identification], members: Members) -> tuple[ComplexArr
     unit = int(np.argmax(sizes))
     shapes, covariances = zip(*[_in_units_of(unit, each[r].modes, k) for r, k in members.items()], strict=True)
     variances = np.array([covariance.diagonal().reshape(-1, 2).sum(axis=1) for covariance in covariances])
-    weights = 1 / np.maximum(variances, np.finfo(float).tiny)
-    weights /= weights.sum(axis=0)
+    # In the channel that is the unit, and of shapes that are known exactly, all count alike.
+    weights = 1 / np.where(variances > 0, variances, 1.0)
+    weights = np.where(np.all(variances > 0, axis=0), weights / weights.sum(axis=0), 1 / len(variances))
     parts = np.repeat(weights, 2, axis=1)
     covariance = np.sum([c * np.outer(w, w) for c, w in zip(covariances, parts, strict=True)], axis=0)
     return np.sum(weights * np.array(shapes), axis=0), covariance

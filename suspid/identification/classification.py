@@ -17,6 +17,8 @@ TONE_SURE = 10.0
 LEAST_DECAY_SEEN = 1e-6
 # Nepers that a tone may lose over the record by itself: sources of hum vary by less.
 LEAST_FADE = 0.05
+# Nepers by which a pole grows over the record at least: hum that gets louder by less drives nothing that decays.
+LEAST_GROWTH = 0.1
 # Share of the energy of the best channel below which most of a record is other motion than the decay: standard
 # deviations are then widened by it, and no forces are looked for.
 LEAST_EXPLAINED = 0.5
@@ -59,7 +61,7 @@ def fading(fit: DecayFit, loudness: RealArray) -> RealArray:
 
 def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[float, float]) -> Reason | None:
     decay = -theta.real
-    if decay < -SURE * spread:
+    if decay < -SURE * spread and -decay * count > LEAST_GROWTH:
         return Reason.GROWING
     if decay > MOST_DECAY:
         return Reason.A_FEW_SAMPLES

@@ -4,24 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.nonlinear import AmplitudeDependence
 from suspid.model import ModalSet, common_mac, jacobian_of, paired
 from suspid.units import RealArray
+from suspid.values import frozen_real
 from suspid.words import AmplitudeRemark, Remark
 
 # Poles of two decays further apart than this share of the larger are not those of one mode: friction and springs that
 # bend move them by less.
 ONE_MODE = 0.25
-# Standard deviations of what a table says at one amplitude are taken this many times as large: each fit has forces of
-# its own choice, and what those miss there is not in them.
-ROOM = 1.5
-# Shares: of the change of frequency within a window, how far it is off; of what powers differ from straight lines, and
-# of the change beyond the windows, how far the damping is. And the change of frequency in an e-folding of amplitude
-# that one window alone may hide, over the frequency.
-STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.15, 0.25, 0.1
+# Shares: of the change of frequency within a window, how far it is off; of what powers differ from straight lines, of
+# what a mean over a window differs from its middle, and of the change beyond the windows, how far the damping is. And
+# the change of frequency in an e-folding of amplitude that one window alone may hide, over the frequency.
+STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.15, 0.2, 0.1
+# Windows of amplitudes that differ by less e-foldings are one: a slope between them is noise. Damping is no steeper a
+# power of the amplitude than the second number.
+MERGED, MOST_POWER = 0.1, 2.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -77,29 +80,62 @@ def pole_at(table: AmplitudeDependence, amplitude: float) -> tuple[complex, Real
     """Return the pole at an amplitude, with the covariance of its real and imaginary part.
 
     Between windows, and to the ends of the first and the last, the damping follows a power s of the amplitude, as
-    friction and drag make it. A window from which the mode falls by w e-foldings says the mean over its amplitudes,
-    ``1 + s^2 w^2 / 24`` times that of its middle. That, a share of what the curve differs from straight lines, and of
-    what it changes beyond the windows, is in the covariance; where there is one window, all that friction would change.
+    friction and drag make it. A window in which the mode falls by w e-foldings says the mean over its time, which is
+    that of its middle over ``1 + s^2 w^2 / 24``; it is brought there. A share of that, of what the curve differs from
+    straight lines, and of what it changes beyond the windows, is in the covariance; where there is one window, all that
+    friction would change. What is unknown of the damping is so of the frequency: forces turn a motion as they damp it.
     """
-    amplitudes, rows = np.unique(table.amplitude, return_index=True)
-    logs, place = np.log(amplitudes), float(np.log(amplitude))
+    table = _merged(table)
+    logs, place = np.log(table.amplitude), float(np.log(amplitude))
     (wn, zeta), stds = table.at(amplitude), table.stds_at(amplitude)
+    falls = _falls(table)
+    fall = float(falls[np.argmin(np.abs(logs - place))])
     slopes, guessed, bent = np.array([STEEPEST_WN * wn, abs(zeta)]), 1.0, 0.0
-    if len(amplitudes) > 1:
-        curve = _power if np.all(table.zeta > 0) else _smooth
-        wn, straight, zeta = _smooth(logs, table.wn[rows], place), zeta, curve(logs, table.zeta[rows], place)
-        after = int(np.clip(np.searchsorted(amplitudes, amplitude), 1, len(amplitudes) - 1))
-        pair = rows[after - 1 : after + 1]
+    of_window = 1 / 24
+    if len(logs) > 1:
+        after = int(np.clip(np.searchsorted(logs, place), 1, len(logs) - 1))
+        pair = slice(after - 1, after + 1)
         slopes = np.abs([np.diff(table.wn[pair])[0], np.diff(table.zeta[pair])[0]]) / (logs[after] - logs[after - 1])
-        guessed, bent = OFF_SHARE, OFF_SHARE * (zeta - straight)
+        straight, curve = zeta, _power if np.all(table.zeta > 0) else _smooth
+        wn, zeta = _smooth(logs, table.wn, place), curve(logs, table.zeta, place)
+        guessed, bent, of_window = OFF_SHARE, OFF_SHARE * (zeta - straight), OFF_SHARE / 24
+    power = float(min(slopes[1] / max(abs(zeta), 1e-300), MOST_POWER))
+    mean = power**2 * fall**2
     beyond = max(logs[0] - place, place - logs[-1], 0.0)
-    fall = float(_falls(table)[rows[np.argmin(np.abs(logs - place))]])
-    of_window = min(slopes[1] * fall / max(abs(zeta), 1e-300) * fall / 24, 1.0) * slopes[1]
     off_wn = slopes[0] * (STEP_SHARE * fall + guessed * beyond)
-    off_zeta = np.linalg.norm([bent, of_window, guessed * beyond * slopes[1]])
+    off_zeta = float(np.linalg.norm([stds[1], bent, of_window * mean * zeta, guessed * beyond * slopes[1]]))
+    zeta *= 1 + mean / 24 if len(logs) > 1 else 1.0
     pole = complex(-zeta * wn, wn * np.sqrt(max(1 - zeta**2, 0.0)))
-    to_pole = ROOM * np.linalg.pinv(jacobian_of(pole)) * np.hypot(stds, [off_wn, off_zeta])
+    wn_std = float(np.linalg.norm([stds[0], off_wn, wn * off_zeta]))
+    to_pole = np.linalg.pinv(jacobian_of(pole)) * np.array([wn_std, off_zeta])
     return pole, to_pole @ to_pole.T
+
+
+def _merged(table: AmplitudeDependence) -> AmplitudeDependence:
+    """Return a table by rising amplitude in which windows of nearly one amplitude, as of several decays, are one."""
+    order = np.argsort(table.amplitude, kind="stable")
+    logs = np.log(table.amplitude[order])
+    begins = [0]
+    for k in range(1, len(logs)):
+        if logs[k] - logs[begins[-1]] > MERGED:
+            begins.append(k)
+    parts = [order[a:b] for a, b in pairwise([*begins, len(order)])]
+
+    def means(values: RealArray) -> RealArray:
+        return frozen_real([float(np.mean(values[part])) for part in parts])
+
+    def lasts(part: NDArray[np.intp]) -> tuple[float, float]:
+        return 0.0, float(np.mean([table.spans[k][1] - table.spans[k][0] for k in part]))
+
+    return replace(
+        table,
+        spans=tuple(lasts(part) for part in parts),
+        amplitude=frozen_real([float(np.exp(np.mean(np.log(table.amplitude[part])))) for part in parts]),
+        wn=means(table.wn),
+        zeta=means(table.zeta),
+        wn_std=means(table.wn_std),
+        zeta_std=means(table.zeta_std),
+    )
 
 
 def _smooth(places: RealArray, values: RealArray, place: float) -> float:

@@ -14,7 +14,11 @@ from suspid.identification.nonlinear import AmplitudeDependence
 from suspid.identification.repeats import Repeats
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
+from suspid.units import RadianPerSecond
 from suspid.values import frozen_real
+
+# Radians that a mode may turn in a window of a table.
+MOST_TURNS = 1e9
 
 
 def amplitudes_to_dict(each: AmplitudeDependence) -> dict[str, object]:
@@ -50,11 +54,12 @@ def described_from_dict(content: Mapping[str, object]) -> Described:
     entries = content.get("amplitude_dependence") or []
     if not isinstance(entries, list) or len(entries) not in (0, len(modes)):
         raise InputError(f"amplitude_dependence must be a list with a table or null for each of {len(modes)} modes")
-    tables = [None if entry is None else _table(k, entry) for k, entry in enumerate(entries, start=1)]
+    wn = modes.wn.tolist()
+    tables = [None if entry is None else _table(k, entry, wn[k - 1]) for k, entry in enumerate(entries, start=1)]
     return Described(modes=modes, tables=tuple(tables or [None] * len(modes)))
 
 
-def _table(mode: int, entry: object) -> AmplitudeDependence:
+def _table(mode: int, entry: object, near: RadianPerSecond) -> AmplitudeDependence:
     names = ("start_s", "stop_s", "amplitude", "wn_rad_per_s", "wn_std_rad_per_s", "zeta", "zeta_std")
     where = f"amplitude_dependence of mode {mode}"
     if not isinstance(entry, dict):
@@ -66,11 +71,21 @@ def _table(mode: int, entry: object) -> AmplitudeDependence:
     rows = [row for row in zip(*columns, strict=True) if None not in row]
     values = np.array([[number_of(where, value) for value in row] for row in rows]).reshape(-1, len(names))
     start, stop, amplitude, wn, wn_std, zeta, zeta_std = values.T
-    if not len(values) or np.min([amplitude, wn]) <= 0 or np.min([wn_std, zeta_std]) < 0:
-        raise InputError(f"{where}: a window at least, amplitudes and wn above 0, standard deviations not below 0")
+    if not len(values) or np.min([amplitude, wn, stop - start]) <= 0 or np.min([wn_std, zeta_std]) < 0:
+        raise InputError(
+            f"{where}: a window at least, each with its stop after its start, amplitudes and wn above 0, standard "
+            f"deviations not below 0"
+        )
+    if np.max(np.abs(np.log2(wn / near))) > 1 or np.max(np.abs(zeta)) >= 1 or np.max(wn * (stop - start)) > MOST_TURNS:
+        raise InputError(
+            f"{where}: wn must lie within half and twice that of its mode, {near:.6g} rad/s, zeta between -1 and 1, "
+            f"and a window last at most {MOST_TURNS:g} / wn"
+        )
+    if not isinstance(entry.get("channel"), str):
+        raise InputError(f"{where}: channel must be a name")
     return AmplitudeDependence(
         spans=tuple(zip(start.tolist(), stop.tolist(), strict=True)),
-        channel=str(entry.get("channel")),
+        channel=entry["channel"],
         amplitude=frozen_real(amplitude),
         wn=frozen_real(wn),
         zeta=frozen_real(zeta),

@@ -20,6 +20,7 @@ from suspid.identification.joint_fit import agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.repeats import Repeats
 from suspid.identification.selection import select
+from suspid.identification.verdict import OTHER_THAN_NOISE
 from suspid.levels import EQUAL_RATE, FEWEST_SAMPLES
 from suspid.model import ModalSet
 from suspid.records import cut
@@ -34,7 +35,8 @@ if TYPE_CHECKING:
 
 # Poles are sought in the repeats at least this long, relative to the median, side by side over their common length.
 LONG_ENOUGH = 0.5
-# Share of the decays with forces other than linear ones from which on poles common to all describe none of them.
+# Share of the decays with forces other than linear ones from which on poles common to all describe none of them. The
+# same holds of decays that no linear fit describes where there are more common poles than any of them has.
 BENT_SHARE = 0.5
 
 
@@ -57,9 +59,9 @@ def identify_repeats(
     amplitudes, so that one shape per mode remains. Variances are widened where the residual is louder than white noise,
     where the channels share noise, and where the decays disagree.
 
-    Where half of the decays or more are not linear, poles that are common to all describe none of them. Then each mode
-    is that of the single decays at the middle of the amplitudes that all of them met (see
-    `Repeats.amplitude_dependence`), and they are compared there.
+    Where half of the decays or more are not linear, poles that are common to all describe none of them, and split. Then
+    each mode is that of the single decays at the middle of the amplitudes that all of them met (see
+    `Repeats.amplitude_dependence`), where they are compared; it is one that half of them hold.
 
     Parameters
     ----------
@@ -134,6 +136,9 @@ def identify_repeats(
     shared = shared_noise(_end_to_end(selection.residual, repeats=len(stacked)))
     joint = joint_covariance(fits, kept, np.maximum(loudness * shared, [a.widening for a in agreements]))
     found, order = joint.modes(step=step, channels=channels), np.argsort(np.abs(joint.exponents), kind="stable")
+    loud = sum(bool(np.any(one.loudness > OTHER_THAN_NOISE)) for one in each)
+    if loud >= BENT_SHARE * len(each) and len(found) > max(len(one.modes) for one in each):
+        return _of_bent_decays(each, spans, modes, tuple(names))
     _check_enough(found, modes, len(spans))
     return Repeats(
         spans=spans,

@@ -58,11 +58,11 @@ def _of_agreement(repeats: Repeats) -> Iterator[Check]:
             "compared_at": bool(met[apart].all()),
         }
         yield check_of(ModeCheck.REPEATS_DISAGREE, Level.CARE, numbers)
-    else:
+    elif not (bent and np.any(shared & ~met)):
         yield check_of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
     if bent and np.any(shared & met):
         yield check_of(ModeCheck.AT_COMMON_AMPLITUDES, Level.NOTE, {"modes": numbers_of(shared & met)})
-    if bent and np.any(shared & ~met):
+    if any(found.forces for found in repeats.each) and bent and np.any(shared & ~met):
         yield check_of(ModeCheck.NO_COMMON_AMPLITUDE, Level.CARE, {"modes": numbers_of(shared & ~met)})
 
 

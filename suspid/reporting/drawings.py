@@ -64,7 +64,8 @@ def _(found: Identification) -> Drawing:
 
 @drawing_of.register
 def _(found: Analysis) -> Drawing | None:
-    return drawing_of(found.estimate or found.identification)
+    several = found.repeats if found.tests else None
+    return drawing_of(found.estimate or several or found.identification)
 
 
 @drawing_of.register

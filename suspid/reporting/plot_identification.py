@@ -39,9 +39,10 @@ KEYS_OF_FIT = 3
 MOST_RIDGES = 8
 MODES_ON_PAGE = 12
 ROWS_ON_PAGE = 10
-# Signs of a line of the verdict in small type, doubts that are listed, and the pitch of lines over the size of type.
+# Signs of a line of the verdict in small type, lines of it on an upright page, and the pitch of lines over the size of
+# type.
 SIGNS_ABREAST = 125
-DOUBTS_ON_PAGE = 4
+LINES_ON_PAGE = 9
 LINE_PITCH = 1.2
 # Size in inches of a page to be printed: A4.
 PAGE = (8.27, 11.69)
@@ -104,7 +105,9 @@ def plot_identification(
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
     names = as_signal(held(identification, "response")).channels[:8]
     last = _last_parts(identification)
-    said = _in_lines(identification.verdict if verdict is None else verdict)
+    width, height = figure.get_size_inches()
+    most = LINES_ON_PAGE if height >= width >= PAGE[0] else 1
+    said = _in_lines(identification.verdict if verdict is None else verdict, most)
     places = _places(figure, _heights(identification, len(blocks), len(names), last, said=len(said)))
 
     name = str(held(identification, "response").title or "") if title is None else title
@@ -139,12 +142,16 @@ def _last_parts(identification: Identification) -> list[str]:
     return ["entropy"] * (identification.bandwidth_search is not None) + ["shapes"] * several
 
 
-def _in_lines(verdict: Verdict) -> list[str]:
+def _in_lines(verdict: Verdict, most: int) -> list[str]:
     """Return the verdict and its gravest doubts as lines of a page."""
     doubts = [textwrap.wrap(f"- {doubt}", SIGNS_ABREAST, subsequent_indent="  ") for doubt in verdict.doubts]
-    shown = [line for doubt in doubts[:DOUBTS_ON_PAGE] for line in doubt]
-    more = len(doubts) - DOUBTS_ON_PAGE
-    return [str(verdict).split("\n", 1)[0], *shown, *([f"… and {count(more, 'more doubt')}"] if more > 0 else [])]
+    lines = [str(verdict).split("\n", 1)[0]]
+    for number, doubt in enumerate(doubts):
+        left = len(doubts) - number
+        if len(lines) + len(doubt) + (left > 1) > most:
+            return [*lines, f"… and {count(left, 'doubt' if len(lines) == 1 else 'more doubt')}"][: max(most, 1)]
+        lines += doubt
+    return lines
 
 
 def _heights(
@@ -154,7 +161,7 @@ def _heights(
     modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
     named = min(len(modes.channels), MOST_IN_KEY + 1)
     keys = max(KEYS_OF_FIT, -(-(2 + named) // KEYS_ABREAST)) if ridges else 1
-    table = min(len(modes) + 2, MODES_ON_PAGE + 2)
+    table = min(len(modes) + 2, MODES_ON_PAGE + 2) if len(modes) else 0
     heights = {"modes": 0.3 + 0.14 * (table + said), "scalogram": 2.7 if blocks < 2 else 2.3}
     heights |= {"key": 0.35 + 0.2 * keys}
     heights |= {f"skeletons {i}": 2.5 for i in range(blocks)}
@@ -182,13 +189,13 @@ def _places(figure: Figure, heights: dict[str, float]) -> dict[str, SubplotSpec]
 
 
 def _write_modes(identification: Identification, title: str, said: Sequence[str], ax: Axes) -> None:
-    lines = modal_table(identification.modes).splitlines()
+    lines = modal_table(identification.modes).splitlines() if len(identification.modes) else []
     if len(lines) > MODES_ON_PAGE + 2:
         lines = [*lines[: MODES_ON_PAGE + 1], f"  … {len(identification.modes)} modes in all"]
     ax.set_axis_off()
     ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
     words = "\n".join(shown(line, most=2 * SIGNS_ABREAST) for line in said)
-    below = -8.0 * LINE_PITCH * (len(lines) + 0.8)
+    below = -8.0 * LINE_PITCH * (len(lines) + 0.8 * bool(lines))
     ax.annotate(words, (0.0, 1.0), (0.0, below), xycoords="axes fraction", textcoords="offset points", va="top",
                 fontsize=7.5)  # fmt: skip
     ax.set_title(f"{shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
