@@ -160,6 +160,10 @@ def test_a_doubt_of_one_decay_is_milder(found: Repeats) -> None:
     plain = replace(found, each=(found.each[0], *(replace(one, forces=()) for one in found.each[1:])))
     of = {check.remark.of: check.level for check in plain.verdict.checks if check.remark.code is ModeCheck.NONLINEAR}
     assert of == {"A": Level.NOTE}
+    # That a check is passed is said where all pass it.
+    passed = [check.remark.of for check in plain.verdict.checks if check.level is Level.SOUND and check.remark.of]
+    assert passed
+    assert all(names == "A and 2 others" for names in passed)
     of = {check.remark.of: check.level for check in found.verdict.checks if check.remark.code is ModeCheck.NONLINEAR}
     assert of == {"A and 2 others": Level.CARE}
 
