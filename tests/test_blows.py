@@ -46,6 +46,21 @@ def written(path: Path, t: RealArray, values: RealArray) -> Path:
     return path
 
 
+@pytest.mark.slow
+def test_joined_tests_use_what_each_uses_alone(tmp_path: Path) -> None:
+    """The channel of the hammer was in the joint fit, and the stretch began with the blow."""
+    files = [written(tmp_path / f"{seed}.csv", *struck(seed)) for seed in (1, 3)]
+    both = analyse(files)
+    assert both.modes.channels == ("in 2",)
+    assert both.repeats is not None
+    for file, (start, stop) in zip(files, both.repeats.spans, strict=True):
+        alone = analyse(file).identification.response.time
+        assert (start, stop) == pytest.approx((alone[0], alone[-1]), abs=2 / RATE)
+    assert len(both.modes) == 3
+    assert both.modes.wn_std is not None
+    assert np.all(np.abs(both.modes.wn - WN) < 4 * both.modes.wn_std)
+
+
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_beam_that_is_struck_twice(seed: int, tmp_path: Path) -> None:
     found = analyse(written(tmp_path / "struck.csv", *struck(seed)))

@@ -179,12 +179,18 @@ def _of_several(
     stretches = []
     for name, one in zip(names, opened, strict=True):
         with naming(name):
-            stretches.append(_alone(held(one.cleaned, "record"), settings))
+            stretches.append(_alone(held(one.cleaned, "record"), settings, of_car=car is not None))
+    whole = [set(as_signal(held(one.cleaned, "record")).channels) for one in opened]
+    kept = [set(as_signal(stretch.record).channels) for stretch in stretches]
+    shared = set.intersection(*kept) if all(names == whole[0] for names in whole) else set[str]()
     parts = [
         Part(source=k, name=name, record=record)
         for k, (name, one, stretch) in enumerate(zip(names, opened, stretches, strict=True))
         for record in _decays_of(one, stretch)
     ]
+    if shared:
+        # What one of them leaves out, as a channel of blows, is no motion in the others.
+        parts = [replace(part, record=_only(part.record, shared)) for part in parts]
     parts, resampled = alike(parts)
     begin(STEPS[2])
     repeats = identify_repeats(
@@ -222,19 +228,25 @@ def _of_several(
     )
 
 
-def _alone(record: control.TimeResponseData, settings: Settings) -> Used:
-    """Return the stretch of a recording that its analysis by itself ends with, in all channels at its own rate."""
+def _alone(record: control.TimeResponseData, settings: Settings, *, of_car: bool) -> Used:
+    """Return the stretch of a recording that its analysis by itself ends with, at the rate of the recording."""
     stretch = stretch_of(record, settings)
     if settings.start is not None or settings.stop is not None or len(stretch.used) > 1:
         return stretch
     try:
-        used = _found(record, replace(settings, modes=None), lambda _: None, of_car=True)[2]
+        used = _found(record, replace(settings, modes=None), lambda _: None, of_car=of_car)[2]
     except SuspidError:
         return stretch
+    ends = as_signal(used.record)
     if len(used.used) > 1:
         return used
-    ends = as_signal(used.record)
-    return replace(used, record=cut(record, start=ends.start, stop=float(ends.timepts[-1])))
+    part = cut(record, start=ends.start, stop=float(ends.timepts[-1]))
+    return replace(used, record=of_channels(part, ends.channels))
+
+
+def _only(record: control.TimeResponseData, names: set[str]) -> control.TimeResponseData:
+    """Return some channels of a record, in its order."""
+    return of_channels(record, tuple(name for name in as_signal(record).channels if name in names))
 
 
 def _read(source: Source, car: Suspension | None, settings: Settings) -> Read:
