@@ -12,6 +12,7 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, is_pair
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.by_amplitude import joined, strongest
+from suspid.identification.considered import removed_as
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.identification import Identification
@@ -29,6 +30,7 @@ from suspid.signals import Stretch, as_signal
 from suspid.threads import in_one_thread
 from suspid.units import Hertz, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
+from suspid.words import Reason
 
 if TYPE_CHECKING:
     import control
@@ -136,8 +138,8 @@ def identify_repeats(
     shared = shared_noise(_end_to_end(selection.residual, repeats=len(stacked)))
     joint = joint_covariance(fits, kept, np.maximum(loudness * shared, [a.widening for a in agreements]))
     found, order = joint.modes(step=step, channels=channels), np.argsort(np.abs(joint.exponents), kind="stable")
-    loud = sum(bool(np.any(one.loudness > OTHER_THAN_NOISE)) for one in each)
-    if loud >= BENT_SHARE * len(each) and len(found) > max(len(one.modes) for one in each):
+    split = len(found) > max(len(one.modes) for one in each)
+    if split and sum(_is_bent(one) for one in each) >= BENT_SHARE * len(each):
         return _of_bent_decays(each, spans, modes, tuple(names))
     _check_enough(found, modes, len(spans))
     return Repeats(
@@ -149,6 +151,12 @@ def identify_repeats(
         noise_std=frozen_real([np.sqrt(fit.squares / fit.freedom) for fit in fits]),
         names=tuple(names),
     )
+
+
+def _is_bent(found: Identification) -> bool:
+    """Return whether no linear fit describes a decay: much is left near its modes, or they have harmonics."""
+    harmonics = removed_as(found.considered, Reason.HARMONIC)
+    return bool(np.any(found.loudness > OTHER_THAN_NOISE)) or bool(harmonics)
 
 
 def _of_bent_decays(
