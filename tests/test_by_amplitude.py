@@ -183,7 +183,7 @@ def test_ranges_reach_to_the_ends_of_the_windows() -> None:
     assert middle is not None
     assert gap > 1
     assert np.max(low.amplitude) < middle < np.min(high.amplitude)
-    assert overlap([of_power(-1.0, zeta=0.01, sizes=(0.2, 0.15)), high]) is None
+    assert overlap([of_power(-1.0, zeta=0.01, sizes=(0.1, 0.08)), high]) is None
     assert overlap([None, high]) is None
 
 

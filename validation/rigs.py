@@ -349,8 +349,9 @@ def write(record: Release, path: Path) -> None:
 def equivalent(record: Release, start: Second, stop: Second) -> tuple[RealArray, RealArray, RealArray]:
     """Return amplitude, natural frequency [rad/s] and damping ratio of each cycle of one mass within a stretch.
 
-    A cycle lasts from a turn to the next but one; its damping ratio is that of a linear decay between the two, its
-    amplitude half the way from turn to turn. Of an equal pair of turns (a dead stop) none is used.
+    A cycle lasts from the middle of a swing, between two turns, to that of the next but one; its damping ratio is that
+    of a linear decay between the two, its amplitude half the way from turn to turn. Of an equal pair of turns (a dead
+    stop) none is used.
     """
     time, x = record.turns[0].T
     inside = (time >= start - record.late) & (time <= stop + record.late)
@@ -361,7 +362,8 @@ def equivalent(record: Release, start: Second, stop: Second) -> tuple[RealArray,
         return np.empty(0), np.empty(0), np.empty(0)
     ratio = np.log(first / last) / (2 * np.pi)
     zeta = ratio / np.sqrt(1 + ratio**2)
-    wn = 2 * np.pi / (time[2:-1] - time[:-3]) / np.sqrt(1 - zeta**2)
+    middle = 0.5 * (time[:-1] + time[1:])
+    wn = 2 * np.pi / (middle[2:] - middle[:-2]) / np.sqrt(1 - zeta**2)
     return np.sqrt(first * last), wn, zeta
 
 

@@ -21,7 +21,9 @@ ONE_MODE = 0.25
 # Shares: of the change of frequency within a window, how far it is off; of what powers differ from straight lines, of
 # what a mean over a window differs from its middle, and of the change beyond the windows, how far the damping is. And
 # the change of frequency in an e-folding of amplitude that one window alone may hide, over the frequency.
-STEP_SHARE, OFF_SHARE, STEEPEST_WN = 0.15, 0.2, 0.1
+STEP_SHARE, OFF_SHARE, BEYOND_SHARE, STEEPEST_WN = 0.15, 0.2, 0.5, 0.1
+# E-foldings between the amplitudes of two decays up to which both are compared in the middle of the gap.
+WIDEST_GAP = 1.0
 # Windows of amplitudes that differ by less e-foldings are one: a slope between them is noise. Damping is no steeper a
 # power of the amplitude than the second number.
 MERGED, MOST_POWER = 0.1, 2.0
@@ -55,13 +57,16 @@ class Described:
 
 
 def overlap(tables: Sequence[AmplitudeDependence | None]) -> float | None:
-    """Return the middle of the amplitudes that all decays met, in the unit of one channel; None if there are none."""
+    """Return the middle of the amplitudes that all decays met, in the unit of one channel, or of a gap between them.
+
+    None if the gap is wider than an e-folding.
+    """
     known = [table.known for table in tables if table is not None]
     if len(known) < len(tables) or len({table.channel for table in known}) > 1:
         return None
     ends = np.array([_ends(table) for table in known])
     low, high = float(np.max(ends[:, 0])), float(np.min(ends[:, 1]))
-    return float(np.sqrt(low * high)) if low <= high else None
+    return float(np.sqrt(low * high)) if np.log(low / high) <= WIDEST_GAP else None
 
 
 def _ends(table: AmplitudeDependence) -> tuple[float, float]:
@@ -98,7 +103,7 @@ def pole_at(table: AmplitudeDependence, amplitude: float) -> tuple[complex, Real
         slopes = np.abs([np.diff(table.wn[pair])[0], np.diff(table.zeta[pair])[0]]) / (logs[after] - logs[after - 1])
         straight, curve = zeta, _power if np.all(table.zeta > 0) else _smooth
         wn, zeta = _smooth(logs, table.wn, place), curve(logs, table.zeta, place)
-        guessed, bent, of_window = OFF_SHARE, OFF_SHARE * (zeta - straight), OFF_SHARE / 24
+        guessed, bent, of_window = BEYOND_SHARE, OFF_SHARE * (zeta - straight), OFF_SHARE / 24
     power = float(min(slopes[1] / max(abs(zeta), 1e-300), MOST_POWER))
     mean = power**2 * fall**2
     beyond = max(logs[0] - place, place - logs[-1], 0.0)

@@ -439,7 +439,7 @@ class ModeCheck(Code):
         sentence(
             lambda n: (
                 f"The decays depend on their amplitude: the table has {_modes(n['modes'])} at the amplitude in the "
-                f"middle of those that all decays with the mode met, where they are compared."
+                f"middle of what all decays with the mode met, or between them, where they are compared."
             )
         ),
     )
@@ -461,7 +461,7 @@ class AmplitudeRemark(Code):
     COMPARED_AT = (
         "compared at",
         "Mode {mode} depends on its amplitude: compared at {amplitude:.3g} (in the unit of channel {channel!r}), the "
-        "middle of what both met.",
+        "middle of what both met, or between them.",
     )
     NONE_IN_COMMON = (
         "none in common",
