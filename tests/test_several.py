@@ -109,6 +109,9 @@ class TestOfDifferentStructures:
         assert found.verdict.level is Level.DOUBTFUL
         (check,) = (c for c in found.verdict.checks if c.remark.code is RecordCheck.SHARES_NO_MODE)
         assert check.remark.numbers["test"] == "d.csv"
+        # Nor is each mode said on which a test disagrees that shares none.
+        odd = [c.remark.numbers["test"] for c in found.verdict.checks if c.remark.code is RecordCheck.ODD_TEST]
+        assert "d.csv" not in odd
 
     def test_of_two_both_are(self, write: Write) -> None:
         found = analyse([write("a"), write("d", OTHER)])

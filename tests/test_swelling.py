@@ -62,6 +62,12 @@ class TestWaves:
         part = swept()[:, 350:650][:, ::reverse] / 1e-2
         assert _left_by_wave(part, complex(-1.0, 60.0)) == pytest.approx(293, abs=4 * np.sqrt(2 * 293))
 
+    def test_a_wave_of_another_frequency_is_none_of_a_mode(self) -> None:
+        """As the foot of a fork that is struck: it swings far more, and is still long before the fork."""
+        part = swept()[:, 350:650] / 1e-2
+        assert _left_by_wave(part, complex(-1.0, 90.0)) == pytest.approx(293, abs=4 * np.sqrt(2 * 293))
+        assert _left_by_wave(part, complex(-1.0, 240.0)) == np.inf
+
     def test_one_that_ends_is_none(self) -> None:
         """A wave that is cut off at its top has the energy of its other half left, of which it takes a part."""
         part = swept()[:, 350:650]

@@ -369,6 +369,12 @@ class TestExports:
         assert recording["seat"].mean_rate == 500
         assert dict(recording.left_out)["X_Value"].code is LeftOut.NO_NUMBERS
 
+    def test_lines_that_begin_with_a_tab_have_no_empty_column(self, tmp_path: Path) -> None:
+        rows = "".join(f"\t{np.sin(k):.6f}\n" for k in range(40))
+        assert dict(read(tmp_path, rows, fs=500).left_out) == {}
+        named = read(tmp_path, "force\tseat\n" + rows, fs=500)
+        assert dict(named.left_out)["force"].code is LeftOut.NO_NUMBERS
+
     def test_the_label_of_units_is_not_that_of_time(self, tmp_path: Path) -> None:
         head = "LabVIEW Measurement,\nSeparator,Comma\n***End_of_Header***,\n,\nY_Unit_Label,g,\nX_Dimension,Time,\n"
         rows = "".join(f"{k / 500:.6f},{np.sin(k):.6f}\n" for k in range(40))

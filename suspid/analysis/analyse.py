@@ -230,13 +230,16 @@ def _of_several(
 
 def _alone(record: control.TimeResponseData, settings: Settings, *, of_car: bool) -> Used:
     """Return the stretch of a recording that its analysis by itself ends with, at the rate of the recording."""
-    stretch = stretch_of(record, settings)
-    if settings.start is not None or settings.stop is not None or len(stretch.used) > 1:
-        return stretch
-    try:
-        used = _found(record, replace(settings, modes=None), lambda _: None, of_car=of_car)[2]
-    except SuspidError:
-        return stretch
+    with patience(), kept_tries():
+        # One test may show fewer modes than are asked of all.
+        free = replace(settings, modes=None)
+        stretch = stretch_of(record, free)
+        if part_asked_for(record, free) is not None or len(stretch.used) > 1:
+            return stretch
+        try:
+            used = _found(record, free, lambda _: None, of_car=of_car, stretch=stretch)[2]
+        except SuspidError:
+            return stretch
     ends = as_signal(used.record)
     if len(used.used) > 1:
         return used
@@ -279,11 +282,16 @@ def _asks_for_more(found: Identification, settings: Settings) -> bool:
 
 
 def _found(
-    record: control.TimeResponseData, settings: Settings, begin: Callable[[str], None], *, of_car: bool
+    record: control.TimeResponseData,
+    settings: Settings,
+    begin: Callable[[str], None],
+    *,
+    of_car: bool,
+    stretch: Used | None = None,
 ) -> tuple[Identification, Repeats | None, Used]:
-    """Return what is identified in the best decay of a record, and that decay."""
+    """Return what is identified in the best decay of a record, and that decay; its stretch, if it is known."""
     with patience(), kept_tries():
-        stretch = with_means(record, stretch_of(record, settings), settings)
+        stretch = with_means(record, stretch_of(record, settings) if stretch is None else stretch, settings)
         if not of_car:
             stretch = with_fewer_channels(record, stretch, settings, stretch_of)
         stretch = with_means_of_longest(record, stretch, settings)

@@ -129,18 +129,18 @@ def belonging(repeats: Repeats, names: Sequence[str]) -> Iterator[Check]:
     everyone = set(range(len(names)))
     held = [set(agreement.held) for agreement in repeats.consistency]
     agreeing = [some for some, a in zip(held, repeats.consistency, strict=True) if len(some) > 1 and a.widening == 1]
-    alone = everyone - set().union(*agreeing)
+    alone = everyone - set().union(*agreeing) if agreeing else set[int]()
     if held and not any(len(some) > 1 for some in held):
         yield Check(Remark(RecordCheck.NO_SHARED_MODE, {"tests": ", ".join(names)}), Level.DOUBTFUL)
-    elif agreeing:
-        for i in sorted(alone):
-            yield Check(Remark(RecordCheck.SHARES_NO_MODE, {"test": names[i]}), Level.DOUBTFUL)
+    for i in sorted(alone):
+        yield Check(Remark(RecordCheck.SHARES_NO_MODE, {"test": names[i]}), Level.DOUBTFUL)
     for k, (agreement, some) in enumerate(zip(repeats.consistency, held, strict=True), 1):
         if some and some != everyone:
             having = ", ".join(names[i] for i in sorted(some))
             without = ", ".join(names[i] for i in sorted(everyone - some))
             yield Check(Remark(RecordCheck.NOT_IN_ALL, {"mode": k, "held": having, "not_in": without}), Level.CARE)
-        if agreement.widening > 1 and agreement.odd is not None and len(some) > 2:
+        # Of a test that shares no mode it is said above, of all modes at once.
+        if agreement.widening > 1 and agreement.odd is not None and agreement.odd not in alone and len(some) > 2:
             odd: dict[str, Number] = {
                 "mode": k,
                 "test": names[agreement.odd],

@@ -33,6 +33,9 @@ LEFT_BY_WAVE = 0.01
 WAVE_SAMPLES_EACH = 4
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
 RISES = 0.02
+# A wave of a mode has its frequency at the middle of what is looked at within this factor: what rises at another
+# frequency is another motion, beside which the mode may have begun at once.
+OF_ANOTHER = 2.0
 # Evaluations in the descent to a wave: more only where there is none.
 MOST_EVALUATIONS = 500
 
@@ -195,7 +198,10 @@ def _beyond(values: RealArray, pole: complex) -> Ratio:
 
 
 def _left_by_wave(values: RealArray, turn: complex) -> float:
-    """Return the energy that the best wave leaves of a motion (channel, sample), sought from the ``turn`` of a mode."""
+    """Return the energy that the best wave leaves of a motion (channel, sample), sought from the ``turn`` of a mode.
+
+    It is infinite where all that are found have another frequency.
+    """
     from scipy.optimize import least_squares
 
     time = np.linspace(-0.5, 0.5, values.shape[1])
@@ -211,4 +217,6 @@ def _left_by_wave(values: RealArray, turn: complex) -> float:
     descents = [
         least_squares(left, [fall, cycles, 0.0, 0.0], method="lm", max_nfev=MOST_EVALUATIONS) for fall, cycles in begun
     ]
-    return 2 * float(min(descent.cost for descent in descents))
+    cycles = abs(turn.imag)
+    alike = [one for one in descents if cycles / OF_ANOTHER < abs(one.x[1]) < cycles * OF_ANOTHER]
+    return 2 * min((float(one.cost) for one in alike), default=np.inf)

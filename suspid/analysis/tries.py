@@ -28,6 +28,9 @@ _kept: ContextVar[dict[tuple[object, ...], Identification] | None] = ContextVar(
 @contextmanager
 def kept_tries() -> Iterator[None]:
     """Keep what is identified within: nothing of one analysis reaches the next."""
+    if _kept.get() is not None:
+        yield
+        return
     token = _kept.set({})
     try:
         yield

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.identification.common_amplitude import ONE_MODE, overlap, pole_at
-from suspid.identification.covariance import rotation
+from suspid.identification.covariance import ratios
 from suspid.identification.identification import Identification
 from suspid.identification.joint_fit import Agreement, agreement_of
 from suspid.identification.nonlinear import AmplitudeDependence
@@ -87,17 +87,19 @@ class _Mode:
     def of(cls, each: Sequence[Identification], members: Members) -> _Mode:
         """Join a mode."""
         tables = [each[r].amplitude_dependence[k] if each[r].amplitude_dependence else None for r, k in members.items()]
-        table = tables[0] if len(tables) == 1 else _pooled(tables)
+        alone = len(tables) == 1
+        table = tables[0] if alone else _pooled(tables)
         found, covariances = list[RealArray](), list[RealArray]()
         for (r, k), own in zip(members.items(), tables, strict=True):
             pole, covariance = complex(each[r].modes.poles[k]), _of_pole(each[r].modes, k)
-            if table is not None and own is not None and len(tables) > 1:
+            if not alone and table is not None and own is not None:
                 pole, covariance = pole_at(own, table.holds_at)
             found.append(np.array([pole.real, pole.imag]))
             covariances.append(covariance)
         informations = [np.asarray(np.linalg.pinv(covariance)) for covariance in covariances]
         agreement = agreement_of(found, informations, list(members))
-        if table is None and len(tables) > 1:
+        apart = table is None and not alone
+        if apart:
             weights, widening = [np.eye(2) / len(found)] * len(found), 1.0
         else:
             together = np.linalg.pinv(np.sum(informations, axis=0))
@@ -106,7 +108,7 @@ class _Mode:
         # What the forces of a fit do not describe is alike in all decays: their errors add up, as those of one do.
         spread = np.sum([w @ _root(c) for w, c in zip(weights, covariances, strict=True)], axis=0)
         covariance = spread @ spread.T * widening
-        if table is None and len(tables) > 1:
+        if apart:
             covariance += np.cov(np.transpose(found)) / len(found)
         shape, of_shape = _shape(each, members)
         return cls(
@@ -201,14 +203,11 @@ def _shape(each: Sequence[Identification], members: Members) -> tuple[ComplexArr
 def _in_units_of(unit: int, modes: ModalSet, k: int) -> tuple[ComplexArray, RealArray]:
     """Return the shape of a mode that is 1 in a channel, with its covariance."""
     assert modes.covariance is not None
-    shape = _shapes_of(modes)[:, k]
-    size = 2 * len(shape)
+    size = 2 * len(modes.channels)
     start = 2 * len(modes) + k * size
     own = modes.covariance[start : start + size, start : start + size]
-    slopes = np.kron(np.eye(len(shape)), rotation(1 / shape[unit]))
-    for channel, value in enumerate(shape):
-        slopes[2 * channel : 2 * channel + 2, 2 * unit : 2 * unit + 2] -= rotation(value / shape[unit] ** 2)
-    return shape / shape[unit], slopes @ own @ slopes.T
+    shapes, slopes = ratios(_shapes_of(modes)[:, k : k + 1], np.array([unit]))
+    return shapes[:, 0], slopes @ own @ slopes.T
 
 
 def _modes(parts: Sequence[_Mode], channels: Sequence[str]) -> ModalSet:

@@ -68,7 +68,7 @@ def joint_covariance(fits: Sequence[DecayFit], kept: NDArray[np.intp], inflation
         noise[at, at], dragged[at] = amplitude_errors(fit, kept)
     amplitudes = np.stack([fit.amplitudes[fit.poles.rows[kept]].T for fit in fits])
     if len(fits) == 1:
-        shapes, estimator = _ratios(amplitudes[0])
+        shapes, estimator = ratios(amplitudes[0], _strongest(amplitudes[0]))
     else:
         shapes, estimator = _common_shapes(amplitudes, noise + dragged @ of_poles @ dragged.T)
     covariance = _carried(
@@ -106,7 +106,7 @@ def estimate_of(
     inflation : ndarray (mode,)
         Factor by which the variances of each mode are widened.
     """
-    shapes, estimator = _ratios(amplitudes)
+    shapes, estimator = ratios(amplitudes, _strongest(amplitudes))
     covariance = _carried(chosen, of_parameters, estimator @ dragged, estimator @ noise @ estimator.T, inflation)
     return JointEstimate(exponents=exponents, shapes=shapes, covariance=covariance)
 
@@ -202,21 +202,33 @@ def _chosen(poles: Poles, kept: NDArray[np.intp]) -> RealArray:
     return np.stack([chart.real, chart.imag], axis=1).reshape(2 * len(kept), -1)
 
 
-def _ratios(amplitudes: ComplexArray) -> tuple[ComplexArray, RealArray]:
-    """Return the shapes (channel, mode) of one decay and their derivatives by the amplitudes (channel, mode)."""
+def ratios(amplitudes: ComplexArray, units: NDArray[np.intp]) -> tuple[ComplexArray, RealArray]:
+    """Return shapes (channel, mode), each 1 in the channel of its unit, and their derivatives by the amplitudes.
+
+    Examples
+    --------
+    >>> shapes, slopes = ratios(np.array([[2.0], [1j]]), np.array([0]))
+    >>> shapes[:, 0].tolist(), (slopes[2:, 2:] * 2).tolist()
+    ([(1+0j), 0.5j], [[1.0, -0.0], [0.0, 1.0]])
+    """
     channels, wanted = amplitudes.shape
     shapes = np.ones((channels, wanted), complex)
     estimator = np.zeros((2 * wanted * channels, 2 * wanted * channels))
-    for k, strongest in enumerate(np.argmax(np.abs(amplitudes), axis=0)):
-        reference = amplitudes[strongest, k]
+    for k, unit in enumerate(units):
+        reference = amplitudes[unit, k]
         for c in range(channels):
-            # The strongest channel is 1 by definition: no rounding of a difference becomes its variance.
-            if c != strongest:
+            # The channel of the unit is 1 by definition: no rounding of a difference becomes its variance.
+            if c != unit:
                 shapes[c, k] = amplitudes[c, k] / reference
-                at, own, other = (2 * i for i in (k * channels + c, c * wanted + k, strongest * wanted + k))
-                estimator[at : at + 2, own : own + 2] = rotation(1 / reference)
-                estimator[at : at + 2, other : other + 2] = rotation(-shapes[c, k] / reference)
+                at, own, other = (2 * i for i in (k * channels + c, c * wanted + k, unit * wanted + k))
+                estimator[at : at + 2, own : own + 2] = _rotation(1 / reference)
+                estimator[at : at + 2, other : other + 2] = _rotation(-shapes[c, k] / reference)
     return shapes, estimator
+
+
+def _strongest(amplitudes: ComplexArray) -> NDArray[np.intp]:
+    """Return the strongest channel of each mode, (mode,)."""
+    return np.asarray(np.argmax(np.abs(amplitudes), axis=0))
 
 
 def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[ComplexArray, RealArray]:
@@ -265,9 +277,9 @@ def _slopes(q: ComplexArray, phi: ComplexArray, strongest: NDArray[np.intp]) -> 
     for r, c, k in np.ndindex(decays, channels, wanted):
         at = 2 * ((r * channels + c) * wanted + k)
         of_q, of_phi = 2 * (r * wanted + k), scales + 2 * (k * channels + c)
-        slopes[at : at + 2, of_q : of_q + 2] = rotation(complex(phi[c, k]))
+        slopes[at : at + 2, of_q : of_q + 2] = _rotation(complex(phi[c, k]))
         if c != strongest[k]:
-            slopes[at : at + 2, of_phi : of_phi + 2] = rotation(complex(q[r, k]))
+            slopes[at : at + 2, of_phi : of_phi + 2] = _rotation(complex(q[r, k]))
     return slopes
 
 
@@ -282,13 +294,6 @@ def _whitening(covariance: RealArray) -> RealArray:
     return np.asarray((vectors * scale[:, None] / np.sqrt(np.maximum(values, LEAST_VARIANCE * values[-1]))).T)
 
 
-def rotation(factor: complex) -> RealArray:
-    """Return multiplication by a complex number as a real matrix.
-
-    Examples
-    --------
-    >>> rotation(2 + 1j)
-    array([[ 2., -1.],
-           [ 1.,  2.]])
-    """
+def _rotation(factor: complex) -> RealArray:
+    """Return multiplication by a complex number as a real matrix."""
     return np.array([[factor.real, -factor.imag], [factor.imag, factor.real]])

@@ -49,6 +49,7 @@ def _of_agreement(repeats: Repeats) -> Iterator[Check]:
     shared = np.array([len(one.held) > 1 for one in consistency])
     bent = bool(repeats.amplitude_dependence)
     met = np.array([each is not None for each in repeats.amplitude_dependence]) if bent else np.zeros(len(apart), bool)
+    unmet = shared & ~met & (bent and any(found.forces for found in repeats.each))
     if not np.any(shared):
         yield check_of(ModeCheck.NONE_REPEATED, Level.CARE, {"decays": decays})
     elif np.any(apart):
@@ -58,12 +59,12 @@ def _of_agreement(repeats: Repeats) -> Iterator[Check]:
             "compared_at": bool(met[apart].all()),
         }
         yield check_of(ModeCheck.REPEATS_DISAGREE, Level.CARE, numbers)
-    elif not (bent and np.any(shared & ~met)):
+    elif not np.any(unmet):
         yield check_of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
     if bent and np.any(shared & met):
         yield check_of(ModeCheck.AT_COMMON_AMPLITUDES, Level.NOTE, {"modes": numbers_of(shared & met)})
-    if any(found.forces for found in repeats.each) and bent and np.any(shared & ~met):
-        yield check_of(ModeCheck.NO_COMMON_AMPLITUDE, Level.CARE, {"modes": numbers_of(shared & ~met)})
+    if np.any(unmet):
+        yield check_of(ModeCheck.NO_COMMON_AMPLITUDE, Level.CARE, {"modes": numbers_of(unmet)})
 
 
 def _of_decays(repeats: Repeats, level: Ratio) -> Iterator[Check]:

@@ -18,7 +18,7 @@ from suspid.performance import ActiveTuning, DamperTuning, Grip, Ride, RoadClass
 from suspid.reconstruction import Reconstruction
 from suspid.recordings import Recording
 from suspid.reporting.colours import Colour
-from suspid.reporting.plot_amplitude import plot_amplitude
+from suspid.reporting.plot_amplitude import draw_amplitudes
 from suspid.reporting.plot_comparison import draw_errors
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_drive import draw_finding, draw_stretches, plot_drive
@@ -53,7 +53,7 @@ def _(found: ModalSet) -> Drawing:
 @drawing_of.register
 def _(found: Repeats) -> Drawing:
     if any(each is not None for each in found.amplitude_dependence):
-        return Drawing(alone=partial(_draw_modes, found.modes), page=partial(_draw_amplitudes, found))
+        return Drawing(alone=partial(_draw_modes, found.modes), page=partial(draw_amplitudes, found))
     return Drawing(alone=partial(_draw_modes, found.modes))
 
 
@@ -212,10 +212,6 @@ def _draw_stretches(found: Drives, ax: Axes) -> None:
 
 def _draw_scalogram(found: Identification, ax: Axes) -> None:
     plot_scalogram(found.scalogram, ax=ax, ridges=found.ridges, modes=found.modes)
-
-
-def _draw_amplitudes(found: Repeats, figure: Figure) -> None:
-    plot_amplitude(found, axes=figure.subplots(2, len(found.modes), sharex="col", squeeze=False))
 
 
 def _draw_modes(modes: ModalSet, ax: Axes) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from suspid.errors import SuspidError
 from suspid.model import ModalSet
 from suspid.reporting.axes import without_legend
-from suspid.reporting.plot_amplitude import plot_amplitude
+from suspid.reporting.plot_amplitude import draw_amplitudes
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_identification import ABREAST, MOST_RIDGES
@@ -248,20 +248,14 @@ def _amplitudes(found: Identification) -> Picture | None:
     if not found.amplitude_dependence:
         return None
     described = "Frequency and damping of each mode against its amplitude"
-    return picture(partial(_draw_amplitudes, found), name="amplitudes", described=described, height=3.1)
+    return picture(partial(draw_amplitudes, found), name="amplitudes", described=described, height=3.1)
 
 
 def _joint_amplitudes(repeats: Repeats) -> Picture | None:
     if not any(each is not None for each in repeats.amplitude_dependence):
         return None
     described = "Frequency and damping of each joint mode against its amplitude, by decay"
-    return picture(partial(_draw_amplitudes, repeats), name="joint-amplitudes", described=described, height=3.1)
-
-
-def _draw_amplitudes(found: Identification | Repeats, figure: Figure) -> None:
-    axes = np.asarray(figure.subplots(2, len(found.amplitude_dependence), sharex="col", squeeze=False), dtype=object)
-    plot_amplitude(found, axes=axes)
-    figure.align_ylabels(list(axes[:, 0]))
+    return picture(partial(draw_amplitudes, repeats), name="joint-amplitudes", described=described, height=3.1)
 
 
 def _overviews(

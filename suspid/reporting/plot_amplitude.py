@@ -19,6 +19,7 @@ from suspid.wavelets import Ridge
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @explained
@@ -78,6 +79,23 @@ def plot_amplitude(found: Identification | Repeats, *, axes: Sequence[Sequence[A
         label_within(grid[1, mode], f"amplitude in {in_legend(each.channel)}")
         for ax in grid[:, mode]:
             ax.axvline(each.holds_at, color=Colour.VERMILION, linewidth=0.8, linestyle="--")
+
+
+def draw_amplitudes(found: Identification | Repeats, figure: Figure) -> None:
+    """Draw frequency and damping of each mode against its amplitude into a figure.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> draw_amplitudes("modes.json", Figure())
+    Traceback (most recent call last):
+    suspid.errors.InputError: 'modes.json' is no Identification; identify or identify_repeats makes one
+    """
+    check_kind(found, {"Identification": "identify", "Repeats": "identify_repeats"})
+    modes = len(found.amplitude_dependence)
+    axes = np.asarray(figure.subplots(2, modes, sharex="col", squeeze=False), dtype=object)
+    plot_amplitude(found, axes=axes)
+    figure.align_ylabels(list(axes[:, 0]))
 
 
 def _plot_joint(found: Repeats, grid: NDArray[np.object_]) -> None:

@@ -116,7 +116,9 @@ def _table(text: bytes, inserted: int, *, ends_within: bool, whole: bool = True)
     left_out = {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}
     _refuse_long(rows, layout)
     blank = _blank(rows)
-    left_out |= dict.fromkeys(blank, Remark(LeftOut.NO_NUMBERS))
+    # Where each line begins with a delimiter, below no names, nothing is left out.
+    said = [name for name in blank if layout.first or name != layout.names[0]]
+    left_out |= dict.fromkeys(said, Remark(LeftOut.NO_NUMBERS))
     usable = [name for name in layout.names if name and name not in counter and name not in blank]
     numeric = [name for name in usable if layout.kinds[name] in ("number", "missing")]
     clock, others = _clock(rows, numeric)
