@@ -15,7 +15,11 @@ from suspid.identification.nonlinear.own import UNKNOWN, next_poles
 from suspid.identification.nonlinear.structure import StructureFit
 from suspid.identification.nonlinear.swings import swings_of
 from suspid.identification.refinement import WORTHWHILE
+from suspid.levels import SURE
 from suspid.units import ComplexArray, RealArray
+
+# What is damped as much falls within a cycle by so much that its mean over that is not its middle.
+MOST_DAMPED = 0.3
 
 
 def explains(fit: StructureFit, highest: float) -> bool:
@@ -60,7 +64,7 @@ def stands(fit: StructureFit) -> NDArray[np.bool_]:
 def driven_stands(fit: DrivenFit) -> NDArray[np.bool_]:
     """Return the same of a fit with forces as they follow from the motion that was measured, (pole,).
 
-    A cycle is one between its turns.
+    A cycle is one between its turns, and its rest lies between them.
     """
     left = _excess(fit)
     means = [mean_pole(fit, k) for k in range(len(fit.theta))]
@@ -75,7 +79,29 @@ def driven_stands(fit: DrivenFit) -> NDArray[np.bool_]:
     rates = np.sqrt([(slopes @ covariance @ slopes.T)[0, 0] for _, slopes in means] * left)
     tones = [is_tone(-each.real, std, fit.residual.shape[1]) for each, std in zip(theta, rates, strict=True)]
     known = spread < UNKNOWN * np.abs(theta)
-    return np.asarray(_worthwhile(fit, fit.states, left) & ~np.array(tones) & turns & known)
+    return np.asarray(_worthwhile(fit, fit.states, left) & ~np.array(tones) & turns & known & ~_strays(fit))
+
+
+def _strays(fit: DrivenFit) -> NDArray[np.bool_]:
+    """Return whether each mode swings beside its rest, most of the time that it is seen, (pole,).
+
+    Forces that follow a motion may move its middle, but between its turns it passes its rest: what is pushed further
+    away than it swings follows a drift, and its swings are not those of the record.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    out = np.zeros(len(fit.theta), bool)
+    above = np.max(np.abs(fit.amplitudes) / np.sqrt(fit.variance), axis=1)
+    for k, (theta, state, size) in enumerate(zip(fit.theta, fit.states, above, strict=True)):
+        cycle = round(2 * np.pi / theta.imag)
+        if not 2 <= cycle < len(state) or -theta.real > MOST_DAMPED * abs(theta):
+            continue
+        middle = uniform_filter1d(state.real, cycle) + 1j * uniform_filter1d(state.imag, cycle)
+        inside = slice(cycle // 2, len(state) - cycle // 2)
+        middle, swing = middle[inside], np.abs(state[inside] - middle[inside])
+        seen = size * swing > SURE
+        out[k] = np.sum(np.abs(middle[seen]) > swing[seen]) > 0.5 * np.sum(seen)
+    return out
 
 
 def energies(fit: StructureFit | DrivenFit, states: ComplexArray) -> RealArray:
