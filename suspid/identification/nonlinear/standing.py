@@ -19,7 +19,7 @@ from suspid.levels import SURE
 from suspid.units import ComplexArray, RealArray
 
 # What is damped as much falls within a cycle by so much that its mean over that is not its middle.
-MOST_DAMPED = 0.3
+HEAVIEST_TOLD = 0.3
 
 
 def explains(fit: StructureFit, highest: float) -> bool:
@@ -94,7 +94,7 @@ def _strays(fit: DrivenFit) -> NDArray[np.bool_]:
     above = np.max(np.abs(fit.amplitudes) / np.sqrt(fit.variance), axis=1)
     for k, (theta, state, size) in enumerate(zip(fit.theta, fit.states, above, strict=True)):
         cycle = round(2 * np.pi / theta.imag)
-        if not 2 <= cycle < len(state) or -theta.real > MOST_DAMPED * abs(theta):
+        if not 2 <= cycle < len(state) or -theta.real > HEAVIEST_TOLD * abs(theta):
             continue
         middle = uniform_filter1d(state.real, cycle) + 1j * uniform_filter1d(state.imag, cycle)
         inside = slice(cycle // 2, len(state) - cycle // 2)
