@@ -6,16 +6,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from suspid.analysis.choice import damping_known, level_of, swings, with_few_cycles
 from suspid.analysis.settings import Settings
+from suspid.analysis.shown_modes import shared_modes
 from suspid.analysis.stretch import LATER_SHARES
-from suspid.analysis.support import questioned, supported
+from suspid.analysis.support import NEARLY_ALL, questioned, supported
 from suspid.analysis.tries import tried
 from suspid.analysis.used import Used, instead_of, used_of
 from suspid.decays import FIT, Decay, Decays, by_chance, find_decays
 from suspid.errors import SuspidError
-from suspid.identification import Identification
+from suspid.identification import Identification, swings_many_times
 from suspid.records import of_channels
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.words import DecayDoubt, Level, Remark
 
@@ -32,22 +36,29 @@ def from_later(
     """Return a later part of the decay that is used, or of the next, that is beyond doubt; None if there is none.
 
     ``found`` is what was found in the decay that is used. Where that is not doubtful, or was chosen by the settings, no
-    other part is sought; nor where modes are found and the first part of the decay does not deviate from them.
+    other part is sought; nor where modes are found and the decay does not deviate from them. Where its first part does
+    not do so more than the others, what is left later on must be modes of it that ring on alone.
     """
     decays = stretch.decays
     if not questioned(found, settings) or len(stretch.used) != 1 or not isinstance(decays, Decays):
         return None
-    forced = any(doubt.code is DecayDoubt.FORCED for doubt in stretch.used[0].doubts)
-    if level_of(found, stretch.used, decays) > Level.DOUBTFUL or (len(found.modes) and not forced):
+    doubts = {doubt.code for doubt in stretch.used[0].doubts}
+    if level_of(found, stretch.used, decays) > Level.DOUBTFUL or (len(found.modes) and not doubts & FIT):
         return None
+    alone = bool(len(found.modes)) and DecayDoubt.FORCED not in doubts
     record = of_channels(record, as_signal(stretch.record).channels)
     for decay in _parts(stretch.used[0], decays):
-        part = _checked(record, decay)
+        if alone and decay.stop != stretch.used[0].stop:
+            break
+        # A look at some hundred cycles does not see a mode fall that rings for thousands.
+        part = _without_doubts_of_all(decay) if alone else _checked(record, decay)
         if part is None:
             continue
         used = instead_of(stretch, used_of(record, decays, part))
         again = tried(used.record, settings)
         if again is None or not len(again.modes) or not swings(again.modes) or not damping_known(again):
+            continue
+        if alone and not _ring_on(again, found):
             continue
         # Of several parts, a few cycles of friction are a mode by chance.
         if with_few_cycles(again)[:1].any():
@@ -56,6 +67,17 @@ def from_later(
         if level_of(kept, used.used, decays) > Level.DOUBTFUL:
             return replace(used, identification=kept)
     return None
+
+
+def _ring_on(later: Identification, found: Identification) -> bool:
+    """Return whether all modes of a later part are modes of the whole decay, swing many times, and explain nearly all.
+
+    Beside a mode that has died by then, and that no linear fit follows, they were doubtful.
+    """
+    signal = as_signal(held(later, "response"))
+    many = swings_many_times(later.modes, signal.step * (signal.values.shape[1] - 1))
+    plain = bool(np.max(later.explained) > NEARLY_ALL) and bool(np.all(many))
+    return plain and shared_modes([later, found])[0] == 1.0
 
 
 def _parts(best: Decay, decays: Decays) -> Iterator[Decay]:
@@ -68,6 +90,11 @@ def _parts(best: Decay, decays: Decays) -> Iterator[Decay]:
             yield replace(decay, start=start, doubts=(*said, *decay.doubts))
 
 
+def _without_doubts_of_all(decay: Decay) -> Decay:
+    """Return a part of a decay without the doubts of the whole that are judged anew."""
+    return replace(decay, doubts=tuple(doubt for doubt in decay.doubts if doubt.code not in OF_ALL))
+
+
 def _checked(record: control.TimeResponseData, decay: Decay) -> Decay | None:
     """Return a part of a decay with its own doubts, and those that are not of its first part; None if it is none."""
     try:
@@ -76,6 +103,6 @@ def _checked(record: control.TimeResponseData, decay: Decay) -> Decay | None:
         return None
     if not again:
         return None
-    kept = tuple(doubt for doubt in decay.doubts if doubt.code not in OF_ALL)
+    kept = _without_doubts_of_all(decay).doubts
     own = tuple(doubt for doubt in again[0].doubts if doubt.code not in {one.code for one in kept})
     return replace(again[0], rank=decay.rank, doubts=(*kept, *own))

@@ -33,8 +33,8 @@ LEFT_BY_WAVE = 0.01
 WAVE_SAMPLES_EACH = 4
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
 RISES = 0.02
-# A wave of a mode has its frequency at the middle of what is looked at within this factor: what rises at another
-# frequency is another motion, beside which the mode may have begun at once.
+# A wave of a mode has its frequency where it is largest within this factor: what rises at another frequency is another
+# motion, beside which the mode may have begun at once.
 OF_ANOTHER = 2.0
 # Evaluations in the descent to a wave: more only where there is none.
 MOST_EVALUATIONS = 500
@@ -218,5 +218,12 @@ def _left_by_wave(values: RealArray, turn: complex) -> float:
         least_squares(left, [fall, cycles, 0.0, 0.0], method="lm", max_nfev=MOST_EVALUATIONS) for fall, cycles in begun
     ]
     cycles = abs(turn.imag)
-    alike = [one for one in descents if cycles / OF_ANOTHER < abs(one.x[1]) < cycles * OF_ANOTHER]
+    alike = [one for one in descents if cycles / OF_ANOTHER < _cycles_at_top(one.x) < cycles * OF_ANOTHER]
     return 2 * min((float(one.cost) for one in alike), default=np.inf)
+
+
+def _cycles_at_top(wave: RealArray) -> float:
+    """Return how fast a wave turns where it is largest of what is looked at [rad over that]."""
+    fall, turn, narrow, bend = wave.tolist()
+    top = np.clip(-0.5 * fall / narrow, -0.5, 0.5) if narrow < 0 else np.copysign(0.5, fall)
+    return float(abs(turn + 2 * bend * top))
