@@ -11,6 +11,7 @@ from suspid.analysis.later import _ring_on, from_later
 from suspid.analysis.used import used_of
 from suspid.decays import Decays
 from suspid.records import as_response, cut
+from suspid.units import RealArray
 from suspid.words import DecayDoubt, Level, Remark
 
 RATE, HERTZ, FALL = 2000, 88.0, 0.25
@@ -21,9 +22,9 @@ def test_what_rings_on_alone_is_used_from_when_another_mode_has_died() -> None:
     """A fork rings for a thousand cycles; its foot, on a spring that hardens, with drag, is still within a second."""
     turn = 2 * np.pi * 18
 
-    def pushed(_: float, y: list[float]) -> list[float]:
+    def pushed(_: float, y: RealArray) -> RealArray:
         drag = (0.04 * turn + 0.02 * abs(y[1])) * y[1]
-        return [y[1], -drag - turn**2 * (y[0] + 0.5 * y[0] ** 3)]
+        return np.array([y[1], -drag - turn**2 * (y[0] + 0.5 * y[0] ** 3)])
 
     foot = solve_ivp(pushed, (0.0, TIME[-1]), [0.0, turn], t_eval=TIME, rtol=1e-8, atol=1e-9).y[0]
     fork = 0.2 * np.exp(-FALL * TIME) * np.sin(2 * np.pi * HERTZ * TIME)
@@ -44,3 +45,13 @@ def test_what_rings_on_alone_is_used_from_when_another_mode_has_died() -> None:
     assert _ring_on(again, found)
     # Another mode is none that rings on.
     assert not _ring_on(identify(cut(as_response(TIME, (foot + noise)[None], ["fork"]), stop=0.5), modes=1), found)
+
+
+@pytest.mark.parametrize(("start", "said"), [(4.0, [4.0]), (2.0, [2.0]), (1.0, []), (0.5, [])])
+def test_a_decay_that_is_used_from_before_says_so(start: float, said: list[float]) -> None:
+    """A longer one, found after the doubt, refutes it for what lies between."""
+    record = as_response(TIME, np.exp(-TIME)[None] * np.cos(20 * TIME), ["seat"])
+    doubt = Remark(DecayDoubt.LATER, {"first": 1.0, "start": 4.0})
+    decay = replace(find_decays(record)[0], start=start, doubts=(doubt,))
+    (used,) = used_of(record, (decay,), decay).used
+    assert [doubt.numbers["start"] for doubt in used.doubts] == said

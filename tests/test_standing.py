@@ -10,6 +10,7 @@ from suspid.identification.noise import noise_of
 from suspid.identification.nonlinear.search import find_forces
 from suspid.identification.nonlinear.standing import driven_stands
 from suspid.identification.selection import select
+from suspid.units import RealArray
 
 TIME = np.arange(1500) / 1500
 
@@ -17,8 +18,8 @@ TIME = np.arange(1500) / 1500
 def test_a_mode_that_swings_beside_its_rest_is_none() -> None:
     """Drag slows a swing of 14 Hz; where the state drifts off by more than it swings, it follows no motion."""
 
-    def moved(_: float, y: list[float]) -> list[float]:
-        return [y[1], -2.0 * y[1] - 5e-3 * abs(y[1]) * y[1] - 89.0**2 * y[0]]
+    def moved(_: float, y: RealArray) -> RealArray:
+        return np.array([y[1], -2.0 * y[1] - 5e-3 * abs(y[1]) * y[1] - 89.0**2 * y[0]])
 
     motion = solve_ivp(moved, (0.0, 1.0), [2.0, 0.0], t_eval=TIME, rtol=1e-9, atol=1e-10).y[:1]
     values = motion + 2e-3 * np.random.default_rng(1).standard_normal(motion.shape)

@@ -7,7 +7,7 @@ from scipy.signal import cont2discrete, lfilter, ss2tf
 
 from suspid import Settings, analyse, identify
 from suspid.analysis.support import of_a_wave, supported
-from suspid.analysis.swelling import LEFT_BY_WAVE, _left_by_wave, _level, _top, beyond_wave
+from suspid.analysis.swelling import LEFT_BY_WAVE, _lasts, _left_by_wave, _level, _top, beyond_wave
 from suspid.analysis.used import Used
 from suspid.records import as_response, cut
 from suspid.units import RealArray
@@ -73,6 +73,24 @@ class TestWaves:
         part = swept()[:, 350:650]
         part[:, 150:] = 0.0
         assert _left_by_wave(part, complex(-1.0, 60.0)) > 10 * LEFT_BY_WAVE * np.sum(part**2)
+
+
+class TestWhatLasts:
+    @pytest.mark.parametrize(("falls_for", "lasts"), [(40.0, False), (900.0, True)])
+    @pytest.mark.parametrize("later", [0, 200])
+    def test_a_push_by_hand_is_soon_over_and_the_swing_lasts(self, falls_for: float, lasts: bool, later: int) -> None:
+        """The way back up a slow fall ends where it is level, which need not be where it began."""
+        since = np.arange(-100.0, 2000.0)
+        level = np.exp(np.minimum(since / 10, -since / falls_for))
+        low = int(np.flatnonzero(level[:100] < 0.5)[-1])
+        assert _lasts(level, low, 100 + (later if lasts else 0), 25) == lasts
+
+    def test_for_fewer_than_ten_periods_it_may_be_a_wave(self) -> None:
+        since = np.arange(-100.0, 2000.0)
+        level = np.exp(np.minimum(since, -since / 900))
+        low = int(np.flatnonzero(level[:100] < 0.5)[-1])
+        assert _lasts(level, low, 100, 60)
+        assert not _lasts(level, low, 100, 70)
 
 
 class TestRecords:

@@ -31,6 +31,9 @@ A_PERIOD = 24
 LEFT_BY_WAVE = 0.01
 # Samples of all channels for each unknown of the wave, at least. With fewer it follows anything.
 WAVE_SAMPLES_EACH = 4
+# A wave fades about as fast as it swells. What stays above that share for this many times as long as it took to
+# rise from it to near its top, and for that many periods, is set free at the end of a push, however smooth.
+LASTS, LASTING_PERIODS, NEAR_TOP = 20.0, 10.0, 0.9
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
 RISES = 0.02
 # A wave of a mode has its frequency where it is largest within this factor: what rises at another frequency is another
@@ -58,7 +61,7 @@ def beyond_wave(record: control.TimeResponseData, found: Identification) -> Rati
     -------
     float
         Share beyond the noise of the fit [1]; 0 where the wave leaves that noise alone. Infinite where no motion rises
-        in the record, or no wave goes through it.
+        in the record, where it fades far more slowly than it rose, or no wave goes through it.
 
     Examples
     --------
@@ -84,12 +87,25 @@ def beyond_wave(record: control.TimeResponseData, found: Identification) -> Rati
     # A period before the rise shows whether it begins at once.
     if not low.size or low[-1] < period:
         return np.inf
+    if _lasts(level, int(low[-1]), top, period):
+        return np.inf
     beyond = 0.0
     for place in (int(low[-1]), top):
         beyond = max(beyond, _beyond(values[:, max(0, place - reach) : place + reach], pole))
         if beyond > LEFT_BY_WAVE:
             return np.inf
     return beyond
+
+
+def _lasts(level: RealArray, low: int, top: int, period: int) -> bool:
+    """Return whether a motion that rises from a sample on fades far more slowly than it rose.
+
+    The way up a slow fall, from period to period, is no rise: it has risen where it is near its top for the first time.
+    """
+    risen = low + int(np.argmax(level[low : top + 1] > NEAR_TOP * level[top]))
+    fallen = np.flatnonzero(level[top:] < RISEN * level[top])
+    last = top + int(fallen[0]) if fallen.size else len(level)
+    return last - risen > max(LASTS * (risen - low), LASTING_PERIODS * period)
 
 
 def beats(found: Identification) -> int:

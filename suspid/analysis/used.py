@@ -14,7 +14,7 @@ from suspid.decays import Decay, Decays
 from suspid.identification import Identification
 from suspid.records import cut, of_channels
 from suspid.signals import as_signal
-from suspid.words import Note, Remark
+from suspid.words import DecayDoubt, Note, Remark
 
 if TYPE_CHECKING:
     import control
@@ -47,11 +47,24 @@ class Used:
 
 def used_of(record: control.TimeResponseData, decays: Decays | tuple[Decay, ...], best: Decay) -> Used:
     """Return a decay of a record as the part that is used, without clipped samples at its start and still channels."""
-    best = past_clipping(record, best)
+    best = _from_its_start(past_clipping(record, best))
     used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})
     doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
     part, still = _moving(cut(record, start=best.start, stop=best.stop))
     return Used(record=part, decays=decays, used=(best,), notes=(used, *doubts, *still))
+
+
+def _from_its_start(decay: Decay) -> Decay:
+    """Return a decay without the doubt that no fit explains it before some time, where it is used from before that."""
+    doubts = []
+    for doubt in decay.doubts:
+        first, start = (doubt.numbers.get(name) for name in ("first", "start"))
+        if doubt.code is DecayDoubt.LATER and isinstance(first, float) and isinstance(start, float):
+            if decay.start <= first:
+                continue
+            doubt = replace(doubt, numbers={"first": first, "start": min(start, decay.start)})
+        doubts.append(doubt)
+    return replace(decay, doubts=tuple(doubts))
 
 
 def instead_of(before: Used, part: Used) -> Used:

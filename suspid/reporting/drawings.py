@@ -42,7 +42,6 @@ from suspid.wavelets import BandwidthSearch, Ridge, Scalogram
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 @drawing_of.register
