@@ -369,6 +369,14 @@ class TestExports:
         assert recording["seat"].mean_rate == 500
         assert dict(recording.left_out)["X_Value"].code is LeftOut.NO_NUMBERS
 
+    @pytest.mark.parametrize("first", [-90.36, 5.0])
+    def test_settings_above_a_single_column(self, tmp_path: Path, first: float) -> None:
+        rows = "".join(f"{first + k * k / 8:.3f}\n" for k in range(40))
+        recording = read(tmp_path, "trigger_start_deg, sample_rate, duration_sec\n90, 1000, 5 \n" + rows)
+        assert recording.names == ("column 1",)
+        assert recording["column 1"].mean_rate == 1000
+        assert recording["column 1"].values[0] == first
+
     def test_lines_that_begin_with_a_tab_have_no_empty_column(self, tmp_path: Path) -> None:
         rows = "".join(f"\t{np.sin(k):.6f}\n" for k in range(40))
         assert dict(read(tmp_path, rows, fs=500).left_out) == {}

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from suspid.io.names import is_start, is_step, stated_rate
 from suspid.io.text.cells import kind_of, number
 from suspid.io.text.columns import Columns
+from suspid.io.text.dialects import COMMAS
 from suspid.units import Hertz, Second
 
 
@@ -23,8 +24,13 @@ def stated_beside(above: Sequence[str], columns: Columns) -> tuple[list[str], di
     (['X,CH1', 'Sequence,Volt'], {'Increment': 1000.0}, -0.5)
     >>> stated_beside(["CH1,CH2,Start,Increment,"], columns)
     (['CH1,CH2'], {}, 0.0)
+    >>> stated_beside(["angle_deg, sample_rate", "90, 1000"], Columns(COMMAS, ("number",)))
+    (['', ''], {'sample_rate': 1000.0}, 0.0)
     """
     lines, rates, start, dialect = list(above), dict[str, Hertz](), 0.0, columns.dialect
+    if len(columns.kinds) == 1 and not dialect.comma:
+        # A single column has no delimiter of its own.
+        dialect = COMMAS
     if dialect.delimiter == " ":
         return lines, rates, start
     for k in range(len(lines) - 1):
