@@ -33,7 +33,7 @@ LEFT_BY_WAVE = 0.01
 WAVE_SAMPLES_EACH = 4
 # A wave fades about as fast as it swells. What stays above that share for this many times as long as it took to
 # rise from it to near its top, and for that many periods, is set free at the end of a push, however smooth.
-LASTS, LASTING_PERIODS, NEAR_TOP = 20.0, 10.0, 0.9
+FADES_SLOWLY, LASTING_PERIODS, NEAR_TOP = 20.0, 10.0, 0.9
 # Share by which the power rises on the way to its top. A smaller one follows noise to the top of another motion.
 RISES = 0.02
 # A wave of a mode has its frequency where it is largest within this factor: what rises at another frequency is another
@@ -105,7 +105,7 @@ def _lasts(level: RealArray, low: int, top: int, period: int) -> bool:
     risen = low + int(np.argmax(level[low : top + 1] > NEAR_TOP * level[top]))
     fallen = np.flatnonzero(level[top:] < RISEN * level[top])
     last = top + int(fallen[0]) if fallen.size else len(level)
-    return last - risen > max(LASTS * (risen - low), LASTING_PERIODS * period)
+    return last - risen > max(FADES_SLOWLY * (risen - low), LASTING_PERIODS * period)
 
 
 def beats(found: Identification) -> int:
