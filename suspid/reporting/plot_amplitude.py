@@ -87,9 +87,9 @@ def draw_amplitudes(found: Identification | Repeats, figure: Figure) -> None:
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> draw_amplitudes("modes.json", Figure())
+    >>> draw_amplitudes("modes.json", Figure())  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    suspid.errors.InputError: 'modes.json' is no Identification; identify or identify_repeats makes one
+    suspid.errors.InputError: a str was given where an Identification or Repeats is needed: ...
     """
     check_kind(found, {"Identification": "identify", "Repeats": "identify_repeats"})
     modes = len(found.amplitude_dependence)
