@@ -137,6 +137,7 @@ class TestLightDecays:
         near = np.abs(found.modes.wn / 9.42 - 1) < 0.3
         assert _coherent(found)[near].tolist() == [coherent] * int(np.sum(near))
 
+    @pytest.mark.slow
     def test_its_mode_stays_and_what_only_the_fit_shows_goes(self) -> None:
         """A pendulum that loses 12 % in 28 cycles, beside a steady tone: neither half tells its damping."""
         time, rng = np.arange(1840) / 40, np.random.default_rng(0)
