@@ -369,10 +369,12 @@ class TestExports:
         assert recording["seat"].mean_rate == 500
         assert dict(recording.left_out)["X_Value"].code is LeftOut.NO_NUMBERS
 
+    @pytest.mark.parametrize("between", [", ", "\t", ";", "|"])
     @pytest.mark.parametrize("first", [-90.36, 5.0])
-    def test_settings_above_a_single_column(self, tmp_path: Path, first: float) -> None:
+    def test_settings_above_a_single_column(self, tmp_path: Path, first: float, between: str) -> None:
         rows = "".join(f"{first + k * k / 8:.3f}\n" for k in range(40))
-        recording = read(tmp_path, "trigger_start_deg, sample_rate, duration_sec\n90, 1000, 5 \n" + rows)
+        head = "trigger_start_deg, sample_rate, duration_sec\n90, 1000, 5 \n".replace(", ", between)
+        recording = read(tmp_path, head + rows)
         assert recording.names == ("column 1",)
         assert recording["column 1"].mean_rate == 1000
         assert recording["column 1"].values[0] == first
