@@ -93,10 +93,11 @@ def _strays(fit: DrivenFit) -> NDArray[np.bool_]:
     out = np.zeros(len(fit.theta), bool)
     above = np.max(np.abs(fit.amplitudes) / np.sqrt(fit.variance), axis=1)
     for k, (theta, state, size) in enumerate(zip(fit.theta, fit.states, above, strict=True)):
-        cycle = round(2 * np.pi / theta.imag)
-        if not 2 <= cycle < len(state) or -theta.real > HEAVIEST_TOLD * abs(theta):
+        turns = 2 * np.pi / len(state) < theta.imag < np.pi
+        if not turns or -theta.real > HEAVIEST_TOLD * abs(theta):
             continue
-        middle = uniform_filter1d(state.real, cycle) + 1j * uniform_filter1d(state.imag, cycle)
+        cycle = round(2 * np.pi / theta.imag)
+        middle = uniform_filter1d(state, cycle)
         inside = slice(cycle // 2, len(state) - cycle // 2)
         middle, swing = middle[inside], np.abs(state[inside] - middle[inside])
         seen = size * swing > SURE
