@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -47,9 +47,7 @@ def from_later(
         return None
     alone = bool(len(found.modes)) and DecayDoubt.FORCED not in doubts
     record = of_channels(record, as_signal(stretch.record).channels)
-    for decay in _parts(stretch.used[0], decays):
-        if alone and decay.stop != stretch.used[0].stop:
-            break
+    for decay in _parts(stretch.used[0], () if alone else decays):
         # A look at some hundred cycles does not see a mode fall that rings for thousands.
         part = _without_doubts_of_all(decay) if alone else _checked(record, decay)
         if part is None:
@@ -80,7 +78,7 @@ def _ring_on(later: Identification, found: Identification) -> bool:
     return plain and shared_modes([later, found])[0] == 1.0
 
 
-def _parts(best: Decay, decays: Decays) -> Iterator[Decay]:
+def _parts(best: Decay, decays: Sequence[Decay]) -> Iterator[Decay]:
     """Yield later and later parts of a decay, and of the next one."""
     others = [decay for decay in decays if decay.start != best.start and not by_chance(decay)]
     for decay in (best, *others[:1]):

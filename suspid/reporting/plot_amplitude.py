@@ -82,16 +82,7 @@ def plot_amplitude(found: Identification | Repeats, *, axes: Sequence[Sequence[A
 
 
 def draw_amplitudes(found: Identification | Repeats, figure: Figure) -> None:
-    """Draw frequency and damping of each mode against its amplitude into a figure.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> draw_amplitudes("modes.json", Figure())  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    suspid.errors.InputError: a str was given where an Identification or Repeats is needed: ...
-    """
-    check_kind(found, {"Identification": "identify", "Repeats": "identify_repeats"})
+    """Draw frequency and damping of each mode against its amplitude into a figure."""
     modes = len(found.amplitude_dependence)
     axes = np.asarray(figure.subplots(2, modes, sharex="col", squeeze=False), dtype=object)
     plot_amplitude(found, axes=axes)
