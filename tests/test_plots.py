@@ -441,11 +441,12 @@ class TestPage:
         assert any(str(identification.verdict).split("\n")[0] in text.get_text() for text in own)
 
     @pytest.mark.parametrize("size", [(8.27, 5.8), (4.0, 12.0), (8.27, 8.0), PAGE])
+    @pytest.mark.parametrize("words", [20, 400])
     def test_a_long_verdict_leaves_the_panels_room(
-        self, identification: Identification, size: tuple[float, float]
+        self, identification: Identification, size: tuple[float, float], words: int
     ) -> None:
         """Layouts that collapse warn, and warnings are errors."""
-        doubt = Remark(ModeCheck.CHANNELS_UNEXPLAINED, {"channels": "seat " * 400})
+        doubt = Remark(ModeCheck.CHANNELS_UNEXPLAINED, {"channels": "seat " * words})
         verdict = Verdict(Remark(Headline.MODES, {"modes": 3}), (Check(doubt, Level.CARE),) * 5)
         none = replace(identification, modes=identification.modes[[]])
         for found in (identification, none):
